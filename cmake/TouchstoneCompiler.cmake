@@ -1,0 +1,27 @@
+# One interface target carries what every target of ours is compiled with.
+add_library(touchstone_options INTERFACE)
+target_include_directories(touchstone_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
+target_compile_features(touchstone_options INTERFACE cxx_std_20)
+
+# in_contact() must round every operation: a contraction to FMA changes the contact set (design.md, "Contact").
+target_compile_options(touchstone_options INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off -Wall -Wextra -Wshadow>)
+
+if(TOUCHSTONE_SANITIZE STREQUAL "address")
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fsanitize=address,undefined> $<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize-recover=all>
+                      $<$<COMPILE_LANGUAGE:CXX>:-O1> $<$<COMPILE_LANGUAGE:CXX>:-g1>)
+  add_link_options(-fsanitize=address,undefined)
+elseif(TOUCHSTONE_SANITIZE STREQUAL "thread")
+  # -O1, not -O0: at -O0 g++ 12 missed a race (design.md).
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fsanitize=thread> $<$<COMPILE_LANGUAGE:CXX>:-O1> $<$<COMPILE_LANGUAGE:CXX>:-g1>)
+  add_link_options(-fsanitize=thread)
+elseif(TOUCHSTONE_SANITIZE)
+  message(FATAL_ERROR "TOUCHSTONE_SANITIZE=${TOUCHSTONE_SANITIZE}: use address or thread")
+elseif(TOUCHSTONE_MARCH)
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-march=${TOUCHSTONE_MARCH}>)
+endif()
+
+if(TOUCHSTONE_STATIC)
+  add_link_options(-static-libstdc++ -static-libgcc)
+  set(CMAKE_FIND_LIBRARY_SUFFIXES .a .so)
+endif()

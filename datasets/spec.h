@@ -1,0 +1,44 @@
+// What a packing is to be: the words a user writes, and the name they give it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace touchstone {
+
+enum class PackingKind {
+  settled,  // by gravity in a box (dem_spec.md section 7): the packings of the paper's tables and figures
+  loose     // random centres at a given solid fraction, overlaps allowed: quick, for tests and studies
+};
+
+enum class Mix {
+  table1,     // 93 % by number at rmin, 7 % stratified uniform in [rmin, rmax]: reproduces the paper's Table 1
+  uniform,    // stratified uniform in [rmin, rmax]
+  bidisperse, // 3.6 % by number at rmax, the rest at rmin
+  power_law,  // number density ~ r^-3 in [rmin, rmax]
+  scc30       // 30 % of the solid volume uniform in [rmin, rmax], the rest at rmin
+};
+
+struct PackingSpec {
+  PackingKind kind = PackingKind::settled;
+  Mix mix = Mix::table1;
+  std::int32_t n = 20653;
+  double cell_factor = 4;      // C = rmax/rmin, >= 1
+  std::uint64_t seed = 1;
+  double rmin = 0.0025;        // m
+  double base_x = 0.20, base_y = 0.20;  // m, the container's floor; for loose packings 0 means a cube
+  double solid_fraction = 0.60;         // loose only: sum of ball volumes over box volume
+};
+
+// "n=20653,c=4,seed=1,base=20x20,mix=table1,kind=settled,phi=0.6,rmin_cm=0.25" (base in cm; `base=cube`), any subset in any
+// order; or the path of a JSON file with the same keys. Throws InputError naming the key, its value and what would be right.
+PackingSpec parse_spec(std::string_view text);
+
+// Short, unique among specs, fit for a file name: "c4_n20653", with _s2, _uniform, _b10x10, _loose60 … where not default.
+std::string name_of(const PackingSpec& spec);
+
+// The spec in parse_spec's words, every key given.
+std::string to_string(const PackingSpec& spec);
+
+}  // namespace touchstone

@@ -1,0 +1,24 @@
+// Errors a user can mend, and the exit codes of every program here.
+#pragma once
+
+#include <stdexcept>
+
+namespace touchstone {
+
+// Bad input: one line that says what, where, and what would be right. Programs print it and exit with kExitInput.
+struct InputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+enum ExitCode : int {
+  kExitOk = 0,
+  kExitInternal = 1,     // a defect of ours, or of the machine
+  kExitInput = 2,        // bad input or bad command line
+  kExitMismatch = 3,     // a contact set differed from the reference
+  kExitPartial = 4,      // some cases were skipped; the others are saved
+  kExitNoGpu = 5,        // a GPU was asked for and none can be used
+  kExitNothingRan = 6,   // a filter or profile left nothing to do
+  kExitInterrupted = 130 // Ctrl-C; finished cases are saved
+};
+
+}  // namespace touchstone
