@@ -4,6 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <new>
 #include <source_location>
 #include <span>
 #include <stdexcept>
@@ -13,10 +16,7 @@
 
 #include "touchstone/detector.h"
 
-#if defined(TOUCHSTONE_NO_CUDA)
-#include <cstdlib>
-#include <cstring>
-#else
+#if !defined(TOUCHSTONE_NO_CUDA)
 #include <cuda_runtime_api.h>
 #endif
 
@@ -28,6 +28,7 @@ inline constexpr bool kDeviceIsDouble = true;
 
 class Stream {
  public:
+  explicit Stream(Place = Place::device) {}
   void synchronize() {}
 };
 
@@ -60,16 +61,25 @@ inline void check(cudaError_t status, std::source_location at = std::source_loca
                            ": " + cudaGetErrorString(status));
 }
 
+// An in-order queue of device work. A host stream needs no driver: copies are done at once, detectors run in detect().
 class Stream {
  public:
-  Stream() { check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking)); }
-  ~Stream() { cudaStreamDestroy(stream_); }
+  explicit Stream(Place place = Place::device) : place_(place) {
+    if (place == Place::device) check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking));
+  }
+  ~Stream() {
+    if (stream_) cudaStreamDestroy(stream_);
+  }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
+  Place place() const { return place_; }
   cudaStream_t get() const { return stream_; }
-  void synchronize() { check(cudaStreamSynchronize(stream_)); }
+  void synchronize() {
+    if (stream_) check(cudaStreamSynchronize(stream_));
+  }
 
  private:
+  Place place_;
   cudaStream_t stream_ = nullptr;
 };
 
@@ -78,19 +88,32 @@ inline void* allocate(std::size_t bytes, Place place, Stream& stream) {
   void* p = nullptr;
   if (place == Place::device)
     check(cudaMallocAsync(&p, bytes ? bytes : 1, stream.get()));
-  else
-    check(cudaMallocHost(&p, bytes ? bytes : 1));
+  else if (!(p = std::malloc(bytes ? bytes : 1)))
+    throw std::bad_alloc();
   return p;
 }
-// Blocks until the device has done with the memory, so a buffer may die while work on it is still queued.
-inline void release(void* p, Place place) noexcept { place == Place::device ? cudaFree(p) : cudaFreeHost(p); }
+// cudaFree waits until the device has done with the memory, so a buffer may die while work on it is still queued.
+inline void release(void* p, Place place) noexcept {
+  if (place == Place::device)
+    cudaFree(p);
+  else
+    std::free(p);
+}
 }  // namespace device_detail
 
 inline void copy_bytes_async(void* to, const void* from, std::size_t bytes, Stream& stream) {
-  if (bytes) check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, stream.get()));
+  if (!bytes) return;
+  if (stream.place() == Place::host)
+    std::memcpy(to, from, bytes);
+  else
+    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, stream.get()));
 }
 inline void fill_bytes_async(void* to, int byte, std::size_t bytes, Stream& stream) {
-  if (bytes) check(cudaMemsetAsync(to, byte, bytes, stream.get()));
+  if (!bytes) return;
+  if (stream.place() == Place::host)
+    std::memset(to, byte, bytes);
+  else
+    check(cudaMemsetAsync(to, byte, bytes, stream.get()));
 }
 // Usable GPUs; 0 without a driver (the failing call leaves its argument untouched).
 inline int device_count() {
