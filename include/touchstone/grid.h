@@ -46,7 +46,7 @@ TOUCHSTONE_HD inline float pad(float r) { return mul(r, 1.0f + 0x1p-21f); }
 // Index in 0..n-1 of the cell that holds coordinate v; coordinates outside are clamped to the first or last cell.
 TOUCHSTONE_HD inline std::int32_t cell_coordinate(float v, float origin, float inv_h, std::int32_t n) {
   const float t = floorf(mul(sub(v, origin), inv_h));
-  return static_cast<std::int32_t>(fminf(fmaxf(t, 0.0f), static_cast<float>(n - 1)));
+  return static_cast<std::int32_t>(clamp(t, 0.0f, static_cast<float>(n - 1)));
 }
 
 // The cells that the box about a centre with half-width `reach` (already padded) overlaps.
