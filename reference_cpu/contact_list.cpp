@@ -29,7 +29,8 @@ ContactList from_pairs(std::vector<Pair> pairs, std::int32_t n) {
   return {std::move(pairs)};
 }
 
-ContactList from_ball_lists(const std::vector<std::int32_t>& length, const std::vector<std::int32_t>& slot, std::int32_t row_capacity) {
+ContactList from_ball_lists(const std::vector<std::int32_t>& length, const std::vector<std::int32_t>& slot,
+                            std::int32_t row_capacity) {
   const auto n = static_cast<std::int32_t>(length.size());
   std::vector<Pair> up, down;  // entries j > i of row i, and entries j < i turned round: the two must be the same set
   for (std::int32_t i = 0; i < n; ++i) {

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "reference_cpu/coarse_cell.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
 namespace {
 
 constexpr double kMostCells = std::numeric_limits<std::int32_t>::max();
+constexpr double kMostCellsOnAxis = 0x1p24;  // cell_coordinate() counts them in float
 
 double cells_along(const Box& bounds, int axis, double cell) {
   return std::floor((static_cast<double>(bounds.upper[axis]) - bounds.lower[axis]) / cell) + 1;
@@ -20,13 +22,15 @@ double cells_in(const Box& bounds, double cell) {
   return cells_along(bounds, 0, cell) * cells_along(bounds, 1, cell) * cells_along(bounds, 2, cell);
 }
 
-// The least cell (to 1 %) that keeps the grid within kMostCells.
-double least_cell(const Box& bounds, double cell) {
-  while (cells_in(bounds, cell) > kMostCells) cell *= 1.01;
+}  // namespace
+
+double coarse_enough(const Box& bounds, double cell, double most_cells) {
+  const auto most_on_axis = [&] {
+    return std::max({cells_along(bounds, 0, cell), cells_along(bounds, 1, cell), cells_along(bounds, 2, cell)});
+  };
+  while (cells_in(bounds, cell) > most_cells || most_on_axis() > kMostCellsOnAxis) cell *= 1.01;
   return cell;
 }
-
-}  // namespace
 
 Grid make_grid(const Box& bounds, double cell) {
   if (!std::isfinite(cell) || cell <= 0 || !std::isfinite(1.0f / static_cast<float>(cell)))
@@ -35,10 +39,12 @@ Grid make_grid(const Box& bounds, double cell) {
     if (!std::isfinite(bounds.lower[axis]) || !std::isfinite(bounds.upper[axis]) || bounds.lower[axis] > bounds.upper[axis])
       throw InputError(fmt::format("box {} .. {} on axis {}: must be finite and not inverted", bounds.lower[axis],
                                    bounds.upper[axis], "xyz"[axis]));
-  const double cells = cells_in(bounds, cell);
-  if (!(cells <= kMostCells))
-    throw InputError(fmt::format("cell size {:g} m: the box would need {:.4g} cells, at most {:.0f} can be numbered; use at least {:.3g} m",
-                                 cell, cells, kMostCells, least_cell(bounds, cell)));
+  const double least = coarse_enough(bounds, cell, kMostCells);
+  if (least > cell)
+    throw InputError(fmt::format(
+        "cell size {:g} m: the box would need {:.4g} cells, at most {:.0f} in all and {:.0f} on an axis can be numbered; "
+        "use at least {:.3g} m",
+        cell, cells_in(bounds, cell), kMostCells, kMostCellsOnAxis, least));
   Grid g;
   g.x0 = bounds.lower[0];
   g.y0 = bounds.lower[1];
@@ -51,8 +57,11 @@ Grid make_grid(const Box& bounds, double cell) {
 }
 
 Grid make_neighbour_grid(const Box& bounds, double cell) {
-  // cell_coordinate() errs by at most three roundings of a number below the count of cells on the axis, that is
-  // 3 * cells * 2^-24 of a cell a centre, twice that a pair; in_contact() and the rounding of inv_h add parts of 2^-21.
+  // Let u = 2^-24, T the most cells on an axis and t = (x - x0) / cell. For a centre in the grid cell_coordinate() rounds
+  // x - x0 and the product: t is off by 2u T at most, the difference of two by 4u T. For balls in contact with
+  // ri + rj <= cell, |dx| is below (1 + 3u) cell, and inv_h is off by a factor 1 + u. So with cells wider by a factor 1 + s
+  // the difference of two computed t is below (1 + 4u + 4u (T + 1)) / (1 + s) <= 1 for s >= 4u (T + 2), and their floors are one
+  // apart at most; clamping draws balls outside the grid no further apart. s here is twice that and more: 8u (T + 16).
   const double most = std::max({cells_along(bounds, 0, cell), cells_along(bounds, 1, cell), cells_along(bounds, 2, cell)});
   return make_grid(bounds, cell * (1 + (most + 16) * 0x1p-21));
 }
