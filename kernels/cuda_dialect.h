@@ -75,8 +75,10 @@ void allow_shared(Kernel* kernel, std::size_t bytes) {
 template <class... Params, class... Args>
 void launch(Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&... args) {
   dialect_detail::allow_shared(kernel, shape.shared_bytes);
-  kernel<<<static_cast<unsigned>(shape.blocks), static_cast<unsigned>(shape.threads), shape.shared_bytes, stream.get()> > >(
+  // clang-format off
+  kernel<<<static_cast<unsigned>(shape.blocks), static_cast<unsigned>(shape.threads), shape.shared_bytes, stream.get()>>>(
       static_cast<Params>(args)...);
+  // clang-format on
   check(cudaGetLastError());
 }
 
