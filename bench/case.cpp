@@ -1,0 +1,111 @@
+#include "bench/case.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/detectors.h"
+
+namespace touchstone {
+namespace {
+
+constexpr double kPaperCell = 0.01;                                 // m; Table 2
+constexpr int kPaperThreadsBroad = 256, kPaperThreadsNarrow = 128;  // Figure 9
+
+double round_cm(double metres) { return std::round(metres * 1e8) / 1e6; }
+
+Json or_null(int value) { return value > 0 ? Json(value) : Json(nullptr); }
+
+}  // namespace
+
+std::string_view to_string(Protocol protocol) {
+  switch (protocol) {
+    case Protocol::paper:
+      return "paper";
+    case Protocol::best:
+      return "best";
+    default:
+      return "rule";
+  }
+}
+
+std::string Case::name() const {
+  std::string name =
+      fmt::format("{}/{}/{}/{}/{}", study, to_string(protocol), detector->label(), name_of(packing), to_string(output));
+  if (on_gpu(*detector)) name += fmt::format("/{}/{}", to_string(launch), to_string(cache));
+  return name;
+}
+
+double cell_of(const Tuning& tuning, const PackingFacts& facts) {
+  return tuning.cell_ravg > 0 ? tuning.cell_ravg * facts.ravg : tuning.cell_rmax * facts.rmax;
+}
+
+DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning& tuning) {
+  const DetectorInfo& info = *c.detector;
+  const double least = info.least_cell_rmax * facts.rmax;
+  DetectorParams p;
+  if (c.protocol == Protocol::best) {
+    if (info.free_cell) p.cell = cell_of(tuning, facts);
+    p.threads_broad = tuning.threads_broad;
+    p.threads_narrow = tuning.threads_narrow;
+    return p;
+  }
+  if (info.free_cell) {
+    const double rule = (on_gpu(info) ? 4 : 2) * facts.ravg;
+    p.cell = std::max(c.protocol == Protocol::paper ? kPaperCell : rule, least);
+  }
+  if (info.threads_broad) p.threads_broad = kPaperThreadsBroad;
+  if (info.threads_narrow) p.threads_narrow = kPaperThreadsNarrow;
+  return p;
+}
+
+Json identity_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning) {
+  const DetectorInfo& info = *c.detector;
+  const bool gpu = on_gpu(info);
+  Json j;
+  j["study"] = c.study;
+  j["protocol"] = to_string(c.protocol);
+  j["detector"] = info.name;
+  j["layout"] = info.layout.empty() ? Json(nullptr) : Json(info.layout);
+  j["place"] = gpu ? "gpu" : "cpu";
+  j["packing"] = packing.name;
+  j["packing_hash"] = hex64(packing_hash(packing.balls));
+  j["seed"] = packing.seed;
+  j["n"] = facts.n;
+  j["cell_factor"] = c.packing.cell_factor;
+  j["rmin_cm"] = round_cm(facts.rmin);
+  j["rmax_cm"] = round_cm(facts.rmax);
+  j["ravg_cm"] = round_cm(facts.ravg);
+  j["launch"] = gpu ? Json(to_string(c.launch)) : Json(nullptr);
+  j["cache"] = to_string(c.cache);
+  j["order"] = "shuffled";  // the packing's own numbering
+  j["output"] = to_string(c.output);
+  j["known"] = info.known;
+  j["tuned_on"] = c.protocol == Protocol::best && !tuning.tuned_on.empty() ? Json(tuning.tuned_on) : Json(nullptr);
+  return j;
+}
+
+Json case_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning, const Measurement& m) {
+  Json j = identity_json(c, packing, facts, tuning);
+  const Quartiles q = quartiles(m.samples_us);
+  j["cell_cm"] = m.params.cell > 0 ? Json(round_cm(m.params.cell)) : Json(nullptr);
+  j["threads_broad"] = or_null(m.params.threads_broad);
+  j["threads_narrow"] = or_null(m.params.threads_narrow);
+  j["cell_capacity"] = or_null(m.params.cell_capacity);
+  j["contacts"] = m.report.contacts;
+  j["contact_hash"] = hex64(m.contact_hash);
+  j["verified"] = true;  // a mismatch never comes this far
+  j["verified_by"] = m.verified_by;
+  j["retries"] = m.retries;
+  j["median_us"] = q.median;
+  j["q1_us"] = q.q1;
+  j["q3_us"] = q.q3;
+  j["sample_count"] = m.samples_us.size();
+  j["bytes_peak"] = m.bytes_peak;
+  j["provenance"] = "measured";
+  j["flags"] = m.flags;
+  return j;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,68 @@
+// One case of a study: which detector, on which packing, how asked. Names, parameters and the record's keys.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "bench/timing.h"
+#include "datasets/spec.h"
+#include "touchstone/detector.h"
+
+namespace touchstone {
+
+using Json = nlohmann::ordered_json;
+
+// How a case's cell and threads are chosen.
+enum class Protocol {
+  paper,  // the paper's: cell 1 cm (or the least the detector takes), threads 256 and 128
+  best,   // the detector's best cell and threads, tuned on another seed
+  rule    // the paper's equations: cell 2 ravg on the CPU (eq. 3), 4 ravg on the GPU (eq. 4); threads as in `paper`
+};
+std::string_view to_string(Protocol protocol);
+
+// The tuner's answer: a cell as a multiple of ravg or rmax, so that it carries over to packings of other sizes.
+struct Tuning {
+  double cell_ravg = 0, cell_rmax = 0;  // at most one is not 0; both 0: the detector has no cell to choose
+  int threads_broad = 0, threads_narrow = 0;
+  std::string tuned_on;  // packing and its hash; "" if nothing was tuned
+};
+
+struct Case {
+  std::string study;
+  Protocol protocol = Protocol::best;
+  const DetectorInfo* detector = nullptr;
+  PackingSpec packing;
+  OutputForm output = OutputForm::ball_lists;
+  Launch launch = Launch::stream;
+  Cache cache = Cache::hot;
+
+  // "table2/best/multi_cell_bucket/staged/c4_n2969/ball_lists/graph/hot"; CPU cases end after the output.
+  std::string name() const;
+};
+
+// What the detector is built with, for a packing's facts. `tuning` is used by Protocol::best only.
+DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning& tuning);
+
+// The same for given facts: the cell a tuning means.
+double cell_of(const Tuning& tuning, const PackingFacts& facts);
+
+// What was measured, as the record's `case` wants it.
+struct Measurement {
+  DetectorParams params;  // as used
+  DetectorReport report;
+  std::uint64_t contact_hash = 0;
+  std::string verified_by;
+  int retries = 0;
+  std::int64_t bytes_peak = 0;
+  std::vector<double> samples_us;
+  std::vector<std::string> flags;
+};
+
+// The keys that say which case this is, before anything is measured (also of a skipped case).
+Json identity_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning);
+
+// The whole `case` object of touchstone/1.
+Json case_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning, const Measurement& m);
+
+}  // namespace touchstone

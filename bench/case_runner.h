@@ -1,0 +1,59 @@
+// One case from upload to samples: verified first, then timed in repetitions.
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include "bench/case.h"
+#include "bench/study.h"
+#include "bench/verify.h"
+
+namespace touchstone {
+
+// A packing with what every case on it shares; the reference is made when first asked for.
+class PackingContext {
+ public:
+  explicit PackingContext(Packing p) : packing(std::move(p)), facts(facts_of(packing.balls)) {}
+  const Reference& reference() {
+    if (!reference_) reference_ = std::make_unique<Reference>(make_reference(packing.balls, facts));
+    return *reference_;
+  }
+  Packing packing;
+  PackingFacts facts;
+
+ private:
+  std::unique_ptr<Reference> reference_;
+};
+
+// A contact set that differs from the reference: no time is taken.
+struct Mismatch : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class CaseRunner {
+ public:
+  // `flags` are the run's; the case adds its own.
+  CaseRunner(const Case& c, DetectorParams params, PackingContext& context, Profile profile, std::vector<std::string> flags);
+  ~CaseRunner();
+
+  // Takes one repetition and returns the median of its samples, us. The first call uploads, detects, verifies and warms up;
+  // the last frees. Throws Mismatch, InputError (refused parameters), Interrupted, or what failed; after that, again.
+  double repetition_us();
+
+  bool complete() const { return repetitions_ == kRepetitions; }
+  const Measurement& measurement() const { return measurement_; }  // once complete()
+
+ private:
+  void prepare();
+  void finish();
+  struct Resident;  // detector, buffers, sampler
+  Case case_;
+  DetectorParams params_;
+  PackingContext& context_;
+  Profile profile_;
+  Measurement measurement_;
+  std::unique_ptr<Resident> resident_;
+  int repetitions_ = 0, samples_ = 0;
+};
+
+}  // namespace touchstone

@@ -1,0 +1,17 @@
+// The subcommands of `touchstone`; each sets exit_code when it has run.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace touchstone {
+
+void add_pack_command(CLI::App& app, int& exit_code);    // pack_command.cpp
+void add_detect_command(CLI::App& app, int& exit_code);  // detect_command.cpp
+void add_list_command(CLI::App& app);                    // list_command.cpp
+void add_plan_command(CLI::App& app, int& exit_code);
+void add_version_command(CLI::App& app);
+void add_report_command(CLI::App& app, int& exit_code);  // report_command.cpp
+
+}  // namespace touchstone

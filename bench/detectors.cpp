@@ -1,0 +1,88 @@
+#include "bench/detectors.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "kernels/device.h"
+#include "touchstone/error.h"
+
+namespace touchstone {
+namespace {
+
+// Levenshtein's distance between two short words.
+int distance(std::string_view a, std::string_view b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+std::vector<std::string> nearest_labels(std::string_view wanted) {
+  std::vector<std::pair<int, std::string>> ranked;
+  for (const DetectorInfo* info : all_detectors())
+    ranked.emplace_back(std::min(distance(wanted, info->label()), distance(wanted, info->name)), info->label());
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::string> labels;
+  for (std::size_t k = 0; k < ranked.size() && k < 3; ++k) labels.push_back(ranked[k].second);
+  return labels;
+}
+
+}  // namespace
+
+bool gpu_usable() {
+#if defined(TOUCHSTONE_HAVE_CUDA)
+  return device_count() > 0;
+#else
+  return false;
+#endif
+}
+
+std::string why_no_gpu() {
+#if defined(TOUCHSTONE_HAVE_CUDA)
+  int n = 0;
+  const cudaError_t status = cudaGetDeviceCount(&n);
+  if (status != cudaSuccess) return fmt::format("no usable GPU: {}", cudaGetErrorString(status));
+  return n > 0 ? "" : "no usable GPU: the driver lists none";
+#else
+  return "no GPU kernels in this build: no nvcc (CUDA toolkit 12 or later) was found when it was configured";
+#endif
+}
+
+std::vector<const DetectorInfo*> all_detectors() {
+  std::vector<const DetectorInfo*> all;
+  for (const DetectorInfo& info : cpu_detectors()) all.push_back(&info);
+#if defined(TOUCHSTONE_HAVE_CUDA)
+  if (gpu_usable())
+    for (const DetectorInfo& info : gpu_detectors()) all.push_back(&info);
+#endif
+  return all;
+}
+
+const DetectorInfo& find_detector(std::string_view label) {
+  std::vector<const DetectorInfo*> same_name;
+  for (const DetectorInfo* info : all_detectors()) {
+    if (info->label() == label) return *info;
+    if (info->name == label) same_name.push_back(info);
+  }
+  if (same_name.size() == 1) return *same_name[0];
+  if (same_name.size() > 1) {
+    std::vector<std::string> labels;
+    for (const DetectorInfo* info : same_name) labels.push_back(info->label());
+    throw InputError(fmt::format("detector '{}' has several layouts: say {}", label, fmt::join(labels, " or ")));
+  }
+  throw InputError(fmt::format("unknown detector '{}': near are {}{}", label, fmt::join(nearest_labels(label), ", "),
+                               gpu_usable() ? "" : fmt::format(" ({})", why_no_gpu())));
+}
+
+}  // namespace touchstone

@@ -1,0 +1,28 @@
+// Every detector this machine can run, as one list: CPU rows, then GPU rows where a GPU can be used.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "touchstone/detector.h"
+
+namespace touchstone {
+
+// True if the GPU kernels are built in and the driver offers at least one device.
+bool gpu_usable();
+
+// Why gpu_usable() is false, in words for people; "" if it is true.
+std::string why_no_gpu();
+
+// The rows of cpu_detectors() and, if gpu_usable(), of gpu_detectors(). The double of the kernels is never among them.
+std::vector<const DetectorInfo*> all_detectors();
+
+// The row with this label ("multi_cell_bucket/paper"; a name without layout does if only one row has it).
+// Throws InputError: unknown, with the nearest labels; or a name with several layouts, with these.
+const DetectorInfo& find_detector(std::string_view label);
+
+// A detector for the given place and facts: a convenience over info.place.
+inline bool on_gpu(const DetectorInfo& info) { return info.place == Place::device; }
+
+}  // namespace touchstone

@@ -1,0 +1,13 @@
+// What the CUDA runtime and the driver say of the GPU in use.
+#pragma once
+
+#include <string>
+
+#include "bench/case.h"
+
+namespace touchstone {
+
+std::string gpu_name();  // "" without a usable GPU
+Json gpu_state_json();   // temperature, clocks, power, event reasons now; null without a GPU
+
+}  // namespace touchstone

@@ -1,0 +1,179 @@
+#include "bench/machine.h"
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <thread>
+
+#include "bench/detectors.h"
+#include "bench/gpu_facts.h"
+#include "build_info.h"
+#include "source_info.h"
+
+namespace touchstone {
+namespace {
+
+std::string first_line(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+// The value after "key" and a separator on the first line of `path` that starts with key; "" if none.
+std::string value_of(const std::string& path, std::string_view key, char separator) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);)
+    if (line.compare(0, key.size(), key) == 0) {
+      const auto at = line.find(separator);
+      if (at == std::string::npos) continue;
+      auto begin = line.find_first_not_of(" \t\"", at + 1), end = line.find_last_not_of(" \t\"");
+      return begin == std::string::npos ? "" : line.substr(begin, end - begin + 1);
+    }
+  return "";
+}
+
+std::string cpu_model() {
+  const std::string model = value_of("/proc/cpuinfo", "model name", ':');
+  return model.empty() ? "unknown" : model;
+}
+
+Json or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+double load_1min() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : -1;
+}
+
+}  // namespace
+
+std::string slug(std::string_view text) {
+  std::string s;
+  for (const char ch : text) {
+    const auto c = static_cast<unsigned char>(ch);
+    if (std::isalnum(c))
+      s += static_cast<char>(std::tolower(c));
+    else if (!s.empty() && s.back() != '-')
+      s += '-';
+  }
+  while (!s.empty() && s.back() == '-') s.pop_back();
+  return s;
+}
+
+std::string machine_slug() {
+  if (gpu_usable()) return slug(gpu_name());
+  std::string model = cpu_model();
+  for (const std::string mark : {"(R)", "(TM)", "(r)", "(tm)"})
+    for (auto at = model.find(mark); at != std::string::npos; at = model.find(mark)) model.replace(at, mark.size(), " ");
+  return "cpu-" + slug(model);
+}
+
+Json source_json() {
+  Json j;
+  j["version"] = build_info::kVersion;
+  j["commit"] = source_info::kCommit;
+  j["dirty"] = source_info::kDirty;
+  j["changes"] = or_null(source_info::kChanges);
+  if (const char* stated = std::getenv("TOUCHSTONE_SOURCE_COMMIT"); stated && *stated) {
+    std::string commit = stated;
+    const bool dirty = commit.ends_with("-dirty");
+    if (dirty) commit.resize(commit.size() - 6);
+    j["commit"] = commit;
+    j["dirty"] = dirty;
+    j["changes"] = nullptr;
+    j["stated"] = true;  // by the environment, not read from a repository
+  }
+  return j;
+}
+
+std::string source_key() {
+  const Json j = source_json();
+  std::string key = j["commit"].get<std::string>();
+  if (j["dirty"].get<bool>()) key += "-" + (j["changes"].is_null() ? std::string("dirty") : j["changes"].get<std::string>());
+  return key;
+}
+
+Json build_json() {
+  Json j;
+  j["type"] = build_info::kType;
+  j["compiler"] = build_info::kCompiler;
+  j["flags"] = build_info::kFlags;
+  j["sanitizer"] = or_null(build_info::kSanitize);
+#if defined(NDEBUG)
+  j["asserts"] = false;
+#else
+  j["asserts"] = true;
+#endif
+  j["cuda_compiler"] = or_null(build_info::kCudaCompiler);
+  j["cuda_flags"] = or_null(build_info::kCudaFlags);
+  j["cuda_architectures"] = or_null(build_info::kCudaArchitectures);
+  return j;
+}
+
+Json host_json() {
+  utsname name{};
+  uname(&name);
+  const std::string governor = first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  const std::string flags = value_of("/proc/cpuinfo", "flags", ':');
+  Json j;
+  j["cpu"] = cpu_model();
+  j["cores"] = std::thread::hardware_concurrency();
+  j["memory_bytes"] = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  j["kernel"] = std::string(name.release);
+  j["distribution"] = or_null(value_of("/etc/os-release", "PRETTY_NAME", '='));
+  j["governor"] = or_null(governor);
+  j["virtual_machine"] = flags.find(" hypervisor") != std::string::npos;
+  j["boost"] = or_null(first_line("/sys/devices/system/cpu/cpufreq/boost"));
+  return j;
+}
+
+Json state_json() {
+  Json j;
+  j["utc"] = utc_now();
+  j["load_1min"] = load_1min();
+  j["gpu"] = gpu_state_json();
+  return j;
+}
+
+std::vector<std::string> refusals(const Json& build, const Json& device, int other_processes) {
+  std::vector<std::string> reasons;
+  if (build["type"] != "Release" && build["type"] != "RelWithDebInfo")
+    reasons.push_back(fmt::format("build type '{}': times of an unoptimised build mean nothing (use Release)",
+                                  build["type"].get<std::string>()));
+  if (!build["sanitizer"].is_null()) reasons.push_back("sanitizer build");
+  if (other_processes > 0) reasons.push_back(fmt::format("{} other compute process(es) on the GPU", other_processes));
+  if (device.is_object() && device.value("mig", Json(nullptr)) == true)
+    reasons.push_back("the GPU is in MIG mode: a slice, not a card");
+  return reasons;
+}
+
+std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device) {
+  std::vector<std::string> flags;
+  if (source["commit"] == "unknown") flags.push_back("commit_unknown");
+  if (source["dirty"] == true) flags.push_back("dirty");
+  if (host["virtual_machine"] == true) flags.push_back("virtual_machine");
+  if (host["governor"].is_null())
+    flags.push_back("governor_unknown");
+  else if (host["governor"] != "performance")
+    flags.push_back("governor_" + host["governor"].get<std::string>());
+  // Each runnable task more than a core each disturbs; on one core of many it does not.
+  if (load_1min() > 0.5 * host["cores"].get<double>()) flags.push_back("load");
+  if (device.is_object() && device["persistence"] == false) flags.push_back("persistence_off");
+  return flags;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm tm{};
+  gmtime_r(&now, &tm);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm);
+  return text;
+}
+
+}  // namespace touchstone

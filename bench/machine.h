@@ -1,0 +1,43 @@
+// What a run ran on: the objects source, build, host, device and calibration of context.touchstone, and what they forbid.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/case.h"
+
+namespace touchstone {
+
+// Lower case, runs of other characters than letters and digits to one hyphen: "NVIDIA H100 80GB HBM3" -> "nvidia-h100-80gb-hbm3".
+std::string slug(std::string_view text);
+
+// The folder of this machine's results: the GPU's slug, or "cpu-" and the CPU model's.
+std::string machine_slug();
+
+// version, commit, dirty, changes. $TOUCHSTONE_SOURCE_COMMIT ("<sha>" or "<sha>-dirty") overrides for trees without .git.
+Json source_json();
+std::string source_key();  // one word that changes whenever the measured source does
+
+Json build_json();
+
+// CPU model, cores, memory, kernel, distribution, governor, virtual machine; load now.
+Json host_json();
+
+// One reading of what changes during a run: load; GPU temperature, clocks, event (throttle) reasons. Null where absent.
+Json state_json();
+
+// The GPU's facts, null if there is no usable one. `others_before` is the count of compute processes before we made ours.
+Json device_json();
+int other_compute_processes();  // -1 where the driver's library does not say; call before the first use of CUDA
+
+Json calibration_json();  // copy GB/s, empty launch us, event resolution ns; null without a GPU
+
+// Reasons to refuse before the first case (methodology: a tainted time is worse than none); empty if none.
+std::vector<std::string> refusals(const Json& build, const Json& device, int other_processes);
+
+// What to flag on every case of this run: "vm", "governor", "load", "dirty", …
+std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device);
+
+std::string utc_now();  // "2026-01-31T12:00:00Z"
+
+}  // namespace touchstone

@@ -1,0 +1,22 @@
+// The `touchstone` command.
+#include <CLI/CLI.hpp>
+
+#include "bench/command_line.h"
+#include "bench/commands.h"
+
+int main(int argc, char** argv) {
+  using namespace touchstone;
+  return guarded("touchstone", [&] {
+    CLI::App app{"Touchstone: contact detection between spheres, measured and checked", "touchstone"};
+    app.require_subcommand(1);
+    int exit_code = kExitOk;
+    add_pack_command(app, exit_code);
+    add_detect_command(app, exit_code);
+    add_list_command(app);
+    add_report_command(app, exit_code);
+    add_plan_command(app, exit_code);
+    add_version_command(app);
+    if (const int code = parse(app, argc, argv); code >= 0) return code;
+    return exit_code;
+  });
+}

@@ -1,0 +1,34 @@
+// A whole run of a study: packings, tuning, verification, timing, the results file.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/study.h"
+
+namespace touchstone {
+
+struct RunOptions {
+  std::string study = "table2";
+  StudyOptions selection;
+  std::string profile_name = "default";
+  std::filesystem::path out;             // folder or .json file; empty: build/results/<machine>/table2.json
+  std::filesystem::path packing_folder;  // empty: default_packing_folder()
+  std::int32_t tuning_n = 0;             // balls of the tuning packing; 0: the profile's
+  bool fresh = false;                    // measure again what the journal holds
+  bool force = false;                    // measure in spite of a refusal; the record says so
+  std::vector<std::string> argv;
+};
+
+// The cases the options select, in order. Throws InputError for unknown words.
+std::vector<Case> plan(const RunOptions& options);
+
+// Prints the cases, or the time and disk they would take, to stdout.
+int print_list(const RunOptions& options);
+int print_plan(const RunOptions& options);
+
+// Runs; returns an ExitCode. Throws InputError before anything is measured.
+int run_study(const RunOptions& options);
+
+}  // namespace touchstone

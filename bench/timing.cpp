@@ -1,0 +1,121 @@
+#include "bench/timing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+namespace touchstone {
+
+std::string_view to_string(Launch launch) { return launch == Launch::graph ? "graph" : "stream"; }
+std::string_view to_string(Cache cache) { return cache == Cache::cold ? "cold" : "hot"; }
+
+using Clock = std::chrono::steady_clock;
+
+struct Sampler::State {
+  State(Detection& d, Place p, Launch l, Cache c, Stream& s) : detection(d), place(p), launch(l), cache(c), stream(s) {}
+  Detection& detection;
+  Place place;
+  Launch launch;
+  Cache cache;
+  Stream& stream;
+
+#if !defined(TOUCHSTONE_NO_CUDA)
+  cudaEvent_t start = nullptr, stop = nullptr;
+  cudaGraph_t graph = nullptr;
+  cudaGraphExec_t executable = nullptr;
+  Buffer<char> flush;  // larger than the L2
+
+  void prepare() {
+    check(cudaEventCreate(&start));
+    check(cudaEventCreate(&stop));
+    if (launch == Launch::graph) {
+      check(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeThreadLocal));
+      detection.detector->detect(detection.input(), detection.output->view(), stream);
+      check(cudaStreamEndCapture(stream.get(), &graph));
+      check(cudaGraphInstantiate(&executable, graph, 0));
+      check(cudaGraphUpload(executable, stream.get()));
+    }
+    if (cache == Cache::cold) {
+      int device = 0, l2_bytes = 0;
+      check(cudaGetDevice(&device));
+      check(cudaDeviceGetAttribute(&l2_bytes, cudaDevAttrL2CacheSize, device));
+      flush = Buffer<char>(2 * static_cast<std::size_t>(l2_bytes), Place::device, stream);
+    }
+    stream.synchronize();
+  }
+
+  double device_sample_us() {
+    if (cache == Cache::cold) {
+      fill_async(flush, 0, stream);
+      stream.synchronize();  // so that hot and cold differ in the L2's contents only, not in what hides the launch
+    }
+    check(cudaEventRecord(start, stream.get()));
+    if (launch == Launch::graph)
+      check(cudaGraphLaunch(executable, stream.get()));
+    else
+      detection.detector->detect(detection.input(), detection.output->view(), stream);
+    check(cudaEventRecord(stop, stream.get()));
+    check(cudaEventSynchronize(stop));
+    float ms = 0;
+    check(cudaEventElapsedTime(&ms, start, stop));
+    return 1e3 * ms;
+  }
+
+  ~State() {
+    if (executable) cudaGraphExecDestroy(executable);
+    if (graph) cudaGraphDestroy(graph);
+    if (start) cudaEventDestroy(start);
+    if (stop) cudaEventDestroy(stop);
+  }
+#else
+  void prepare() { throw std::logic_error("Sampler: this build has no GPU to time"); }
+  double device_sample_us() { throw std::logic_error("Sampler: this build has no GPU to time"); }
+#endif
+
+  double host_sample_us() {
+    const auto begin = Clock::now();
+    detection.detector->detect(detection.input(), detection.output->view(), stream);
+    return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+  }
+};
+
+Sampler::Sampler(Detection& detection, Place place, Launch launch, Cache cache, Stream& stream)
+    : state_(std::make_unique<State>(detection, place, launch, cache, stream)) {
+  if (place == Place::device)
+    state_->prepare();
+  else if (launch == Launch::graph || cache == Cache::cold)
+    throw std::logic_error("Sampler: graph and cold are axes of the GPU only");
+}
+Sampler::~Sampler() = default;
+Sampler::Sampler(Sampler&&) noexcept = default;
+
+double Sampler::sample_us() {
+  const double us = state_->place == Place::device ? state_->device_sample_us() : state_->host_sample_us();
+  if (!(us > 0)) throw std::runtime_error(fmt::format("the clock gave {} us for one sample: no time can be reported", us));
+  return us;
+}
+
+double Sampler::warm_up_us(double least_ms) {
+  const auto begin = Clock::now();
+  double last = 0;
+  for (int runs = 0; runs < 2 || Clock::now() - begin < std::chrono::duration<double, std::milli>(least_ms); ++runs)
+    last = sample_us();
+  return last;
+}
+
+Quartiles quartiles(std::vector<double> values) {
+  if (values.empty()) throw std::logic_error("quartiles of nothing");
+  std::sort(values.begin(), values.end());
+  auto at = [&](double share) {
+    const double place = share * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<std::size_t>(std::floor(place));
+    const std::size_t above = std::min(below + 1, values.size() - 1);
+    return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+  };
+  return {at(0.25), at(0.5), at(0.75)};
+}
+
+}  // namespace touchstone

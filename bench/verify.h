@@ -1,0 +1,30 @@
+// No time without truth: the contact set a detector must find, and the comparison before any time is taken.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "kernels/detection.h"
+
+namespace touchstone {
+
+// A packing's true contact set. Up to kMostBallsCompared balls as a sorted list; above as count and hash only.
+struct Reference {
+  ContactList list;  // empty if only_hash
+  bool only_hash = false;
+  std::int64_t contacts = 0;
+  std::uint64_t hash = 0;
+  std::string by;  // "all_pairs", "parallel_levels = serial_multi_cell", "parallel_levels (count and hash)"
+};
+inline constexpr std::int32_t kMostBallsCompared = 10'000'000;
+inline constexpr std::int32_t kMostBallsAllPairs = 5'000;
+
+// all_pairs up to kMostBallsAllPairs balls; else parallel_levels, which must agree with serial_multi_cell, another method.
+// Throws std::runtime_error if these two disagree: then there is no truth to compare with.
+Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts);
+
+// "" if the detection's contact set is the reference's; else how it differs, in one line.
+std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream);
+
+}  // namespace touchstone
