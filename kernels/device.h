@@ -49,6 +49,7 @@ inline void fill_bytes_async(void* to, int byte, std::size_t bytes, Stream&) {
   if (bytes) std::memset(to, byte, bytes);
 }
 inline int device_count() { return 1; }  // the double itself
+inline std::size_t free_bytes() { return std::size_t{1} << 31; }  // the double plays a small GPU
 
 #else
 
@@ -119,6 +120,12 @@ inline void fill_bytes_async(void* to, int byte, std::size_t bytes, Stream& stre
 inline int device_count() {
   int n = 0;
   return cudaGetDeviceCount(&n) == cudaSuccess ? n : 0;
+}
+// Device memory that can still be allocated.
+inline std::size_t free_bytes() {
+  std::size_t free = 0, total = 0;
+  check(cudaMemGetInfo(&free, &total));
+  return free;
 }
 
 #endif

@@ -1,3 +1,15 @@
 # The kernels, listed once: nvcc compiles them for the GPU (kernels/), the C++ compiler for the double (kernels/emulated/).
 set(TOUCHSTONE_KERNEL_SOURCES
-  built_for.cu)
+  built_for.cu
+  fixed_bucket.cu
+  multi_cell_paper.cu
+  multi_cell_staged.cu
+  primitives.cu
+  sdk_sort.cu
+  sorted_cells.cu
+  sorted_grid.cu)
+# Their host side, plain C++ in both.
+set(TOUCHSTONE_KERNEL_HOST_SOURCES
+  detection.cpp
+  detectors.cpp
+  planning.cpp)

@@ -1,0 +1,47 @@
+#include "kernels/primitives.h"
+
+#if defined(TOUCHSTONE_NO_CUDA)
+#include <algorithm>
+#include <numeric>
+#include <vector>
+#else
+#include <cub/device/device_radix_sort.cuh>
+#endif
+
+namespace touchstone {
+
+#if defined(TOUCHSTONE_NO_CUDA)
+
+RadixSort::RadixSort(std::int32_t n, int key_bits, Stream&) : n_(n), key_bits_(key_bits) {}
+
+void RadixSort::sort(const std::uint32_t* key, const std::int32_t* value, std::uint32_t* sorted_key, std::int32_t* sorted_value,
+                     Stream&) {
+  const std::uint32_t mask = key_bits_ >= 32 ? ~0u : (1u << key_bits_) - 1;
+  std::vector<std::int32_t> order(n_);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return (key[a] & mask) < (key[b] & mask); });
+  for (std::int32_t p = 0; p < n_; ++p) {
+    sorted_key[p] = key[order[p]];
+    sorted_value[p] = value[order[p]];
+  }
+}
+
+#else
+
+RadixSort::RadixSort(std::int32_t n, int key_bits, Stream& stream) : n_(n), key_bits_(key_bits) {
+  std::size_t bytes = 0;
+  check(cub::DeviceRadixSort::SortPairs<std::uint32_t, std::int32_t>(nullptr, bytes, nullptr, nullptr, nullptr, nullptr, n_, 0,
+                                                                     key_bits_, stream.get()));
+  temporary_ = Buffer<char>(bytes, Place::device, stream);
+}
+
+void RadixSort::sort(const std::uint32_t* key, const std::int32_t* value, std::uint32_t* sorted_key, std::int32_t* sorted_value,
+                     Stream& stream) {
+  std::size_t bytes = temporary_.size();
+  check(cub::DeviceRadixSort::SortPairs(temporary_.data(), bytes, key, sorted_key, value, sorted_value, n_, 0, key_bits_,
+                                        stream.get()));
+}
+
+#endif
+
+}  // namespace touchstone
