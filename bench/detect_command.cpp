@@ -7,7 +7,7 @@
 #include "bench/case_runner.h"
 #include "bench/commands.h"
 #include "bench/detectors.h"
-#include "bench/files.h"
+#include "datasets/files.h"
 #include "bench/interrupt.h"
 #include "datasets/formats.h"
 #include "datasets/store.h"

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "bench/files.h"
+#include "datasets/files.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
@@ -15,7 +15,7 @@ namespace touchstone {
 Journal::Journal(std::filesystem::path path, bool fresh) : path_(std::move(path)) {
   std::size_t good = 0;  // bytes of whole, readable lines
   if (!fresh && std::filesystem::exists(path_)) {
-    const std::string text = read_file(path_);
+    const std::string text = read_whole(path_);
     for (std::size_t begin = 0, number = 1; begin < text.size(); ++number) {
       const std::size_t end = text.find('\n', begin);
       const bool last = end == std::string::npos || end + 1 == text.size();

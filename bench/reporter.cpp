@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "bench/files.h"
+#include "datasets/files.h"
 
 namespace touchstone {
 namespace {

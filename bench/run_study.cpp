@@ -9,7 +9,7 @@
 #include "bench/case_runner.h"
 #include "bench/detectors.h"
 #include "bench/eta.h"
-#include "bench/files.h"
+#include "bench/output_folder.h"
 #include "bench/interrupt.h"
 #include "bench/machine.h"
 #include "bench/reporter.h"
