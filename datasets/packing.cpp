@@ -82,8 +82,10 @@ void validate(std::span<const Ball> balls, const std::string& where) {
       throw InputError(fmt::format("{}: ball {} has radius {}; radii must be finite and above zero", where, i, b.r));
     const float far = std::max({std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)});
     if (std::nextafter(far, std::numeric_limits<float>::max()) - far > b.r)
-      throw InputError(fmt::format("{}: ball {} at ({}, {}, {}) has radius {}, less than the spacing of float32 numbers there; "
-                                   "move the packing nearer to the origin", where, i, b.x, b.y, b.z, b.r));
+      throw InputError(
+          fmt::format("{}: ball {} at ({}, {}, {}) has radius {}, less than the spacing of float32 numbers there; "
+                      "move the packing nearer to the origin",
+                      where, i, b.x, b.y, b.z, b.r));
   }
 }
 

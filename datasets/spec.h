@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace touchstone {
 
@@ -13,20 +15,20 @@ enum class PackingKind {
 };
 
 enum class Mix {
-  table1,     // 93 % by number at rmin, 7 % stratified uniform in [rmin, rmax]: reproduces the paper's Table 1
-  uniform,    // stratified uniform in [rmin, rmax]
-  bidisperse, // 3.6 % by number at rmax, the rest at rmin
-  power_law,  // number density ~ r^-3 in [rmin, rmax]
-  scc30       // 30 % of the solid volume uniform in [rmin, rmax], the rest at rmin
+  table1,      // 93 % by number at rmin, 7 % stratified uniform in [rmin, rmax]: reproduces the paper's Table 1
+  uniform,     // stratified uniform in [rmin, rmax]
+  bidisperse,  // 3.6 % by number at rmax, the rest at rmin
+  power_law,   // number density ~ r^-3 in [rmin, rmax]
+  scc30        // 30 % of the solid volume uniform in [rmin, rmax], the rest at rmin
 };
 
 struct PackingSpec {
   PackingKind kind = PackingKind::settled;
   Mix mix = Mix::table1;
   std::int32_t n = 20653;
-  double cell_factor = 4;      // C = rmax/rmin, >= 1
+  double cell_factor = 4;  // C = rmax/rmin, >= 1
   std::uint64_t seed = 1;
-  double rmin = 0.0025;        // m
+  double rmin = 0.0025;                 // m
   double base_x = 0.20, base_y = 0.20;  // m, the container's floor; for loose packings 0 means a cube
   double solid_fraction = 0.60;         // loose only: sum of ball volumes over box volume
 };
@@ -37,6 +39,9 @@ PackingSpec parse_spec(std::string_view text);
 
 // Short, unique among specs, fit for a file name: "c4_n20653", with _s2, _uniform, _b10x10, _loose60 … where not default.
 std::string name_of(const PackingSpec& spec);
+
+// The specs of a JSON file {"packings": [{"n": 2969, "c": 4}, …]}, such as datasets/specs/table2.json. Throws InputError.
+std::vector<PackingSpec> load_spec_set(const std::filesystem::path& path);
 
 // The spec in parse_spec's words, every key given.
 std::string to_string(const PackingSpec& spec);

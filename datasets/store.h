@@ -2,6 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "datasets/spec.h"
 #include "touchstone/packing.h"
@@ -12,6 +17,23 @@ namespace touchstone {
 // The packing from the cache if spec, generator version and hash of the bytes agree; else made (validity checked, an
 // invalid one is an error), written atomically, and returned. A damaged file is said on stderr and made anew.
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress = {});
+
+// Changes whenever the bytes made from a spec change: older cached packings are then made anew.
+inline constexpr int kGeneratorVersion = 1;
+
+// What the .json beside a cached packing says.
+struct CachedPacking {
+  std::string name, spec, hash;  // spec in to_string's words
+  int generator_version = 0;
+  std::int64_t n = 0;
+  nlohmann::json meta;  // all of it: validity, seconds to make …
+};
+
+// The packings in `folder` whose .json can be read, by name. Bytes are not checked.
+std::vector<CachedPacking> list_cached(const std::filesystem::path& folder);
+
+// The .json that belongs to `balls_file` (a .balls file), if there is one and its hash is that of these balls.
+std::optional<CachedPacking> cached_meta(const std::filesystem::path& balls_file, std::uint64_t hash);
 
 // $TOUCHSTONE_PACKINGS, else build/packings below the source tree this was built from.
 std::filesystem::path default_packing_folder();

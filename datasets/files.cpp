@@ -1,0 +1,76 @@
+#include "datasets/files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "touchstone/error.h"
+
+namespace touchstone {
+
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
+  throw InputError(fmt::format("{}: cannot be {}: {}", path.string(), what, std::strerror(errno)));
+}
+
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::write(file, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(done));
+  }
+  return true;
+}
+
+}  // namespace
+
+void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  const std::string temporary = path.string() + ".XXXXXX";
+  std::string name = temporary;
+  const int file = ::mkstemp(name.data());
+  if (file < 0) fail(path, "written");
+  const bool written = write_all(file, bytes) && ::fchmod(file, 0644) == 0 && ::fsync(file) == 0;
+  const int reason = errno;
+  if ((::close(file) != 0 && written) || !written || ::rename(name.c_str(), path.c_str()) != 0) {
+    if (!written) errno = reason;
+    const int why = errno;
+    ::unlink(name.c_str());
+    errno = why;
+    fail(path, "written");
+  }
+}
+
+std::string read_whole(const std::filesystem::path& path) {
+  std::error_code status;
+  if (std::filesystem::is_directory(path, status)) throw InputError(fmt::format("{}: is a folder, not a file", path.string()));
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (!file) fail(path, "read");
+  std::string bytes;
+  char part[1 << 16];
+  for (std::size_t got; (got = std::fread(part, 1, sizeof part, file)) > 0;) bytes.append(part, got);
+  const bool broken = std::ferror(file);
+  std::fclose(file);
+  if (broken) fail(path, "read");
+  return bytes;
+}
+
+FileLock::FileLock(const std::filesystem::path& path) : file_(::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
+  if (file_ < 0) fail(path, "opened as a lock");
+  while (::flock(file_, LOCK_EX) != 0)
+    if (errno != EINTR) {
+      ::close(file_);
+      fail(path, "locked");
+    }
+}
+
+FileLock::~FileLock() { ::close(file_); }
+
+}  // namespace touchstone

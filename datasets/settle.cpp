@@ -1,0 +1,121 @@
+// Departures from the recipe of dem_spec 7.3, each because it was measured to be better:
+// - the start is nearly as dense as the end, so that the fall is short (recipe: 0.60 for every mixture);
+// - stiffness grows with the smaller radius of a pair, so that large balls, which carry the bed's weight in few contacts,
+//   do not overlap more than small ones; the smallest balls still set the time step;
+// - one drag from start to end, and no fixed number of steps: the bed is left when it rests and passes its trial;
+// - when the bed rests, balls that nothing holds yet are dropped alone (Bed::drop_unsupported).
+#include "datasets/settle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+
+#include "datasets/bed.h"
+#include "datasets/radii.h"
+#include "datasets/start.h"
+
+namespace touchstone {
+
+namespace {
+
+// What one packing needs of its recipe, in SI.
+struct Plan {
+  Container box;
+  double rmin, start_height, modulus, dt, weight, mean_mass;
+  double energy_unit() const { return mean_mass * kGravity * rmin; }
+};
+
+Plan make_plan(const PackingSpec& spec, const std::vector<float>& radii, const SettleRecipe& recipe) {
+  double volume = 0, rmin = radii[0], rmax = 0;
+  for (const float r : radii) {
+    volume += volume_of_ball(r);
+    rmin = std::min<double>(rmin, r);
+    rmax = std::max<double>(rmax, r);
+  }
+  Plan plan;
+  plan.box = {spec.base_x, spec.base_y};
+  plan.rmin = rmin;
+  const double height = volume / (spec.base_x * spec.base_y * expected_solid_fraction(radii));
+  plan.start_height = std::max(height / recipe.start_share, 2 * rmax);
+  // Equal spheres under the weight of half the bed carry pi/3 r^2 rho g H a contact (isotropic stress, z = 6).
+  const double stiffness = std::numbers::pi / 3 * rmin * kSettleDensity * kGravity * height / (2 * recipe.overlap);
+  plan.modulus = stiffness / rmin;
+  plan.dt = recipe.step * sqrt(kSettleDensity * volume_of_ball(rmin) / stiffness);
+  plan.weight = kSettleDensity * volume * kGravity;
+  plan.mean_mass = kSettleDensity * volume / static_cast<double>(radii.size());
+  return plan;
+}
+
+// Steps with drag until the bed rests and its floor carries it. Returns the number of steps.
+std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, const std::function<void()>& tick) {
+  constexpr int kBetweenLooks = 50, kMostLooks = 2000;
+  for (int look = 1; look <= kMostLooks; ++look) {
+    for (int s = 0; s < kBetweenLooks; ++s) bed.step(plan.dt, {recipe.dashpots, recipe.drag_per_s});
+    tick();
+    const double floor = bed.floor_force() / plan.weight;
+    if (bed.mean_kinetic_energy() < recipe.rest * plan.energy_unit() && std::fabs(floor - 1) < 0.005) return look * kBetweenLooks;
+  }
+  return std::int64_t{kMostLooks} * kBetweenLooks;  // the checks will say what is wrong
+}
+
+}  // namespace
+
+double expected_solid_fraction(const std::vector<float>& radii) {
+  const double n = static_cast<double>(radii.size());
+  double mean = 0, m2 = 0, m3 = 0;
+  for (const float r : radii) mean += r;
+  mean /= n;
+  for (const float r : radii) {
+    const double d = r - mean;
+    m2 += d * d;
+    m3 += d * d * d;
+  }
+  const double deviation = sqrt(m2 / n), spread = deviation / mean;
+  if (spread > 0.45) return 0.80;
+  const double skewness = deviation > 0 ? m3 / n / (deviation * deviation * deviation) : 0;
+  return 0.634 + 0.0658 * spread + 0.0857 * skewness * spread * spread;
+}
+
+Packing settle(const PackingSpec& spec, SettledState& state, const Progress& progress, const SettleRecipe& recipe) {
+  Random radius_stream(spec.seed, 1), centre_stream(spec.seed, 2);
+  const std::vector<float> radii = draw_radii(spec, radius_stream);
+  const Plan plan = make_plan(spec, radii, recipe);
+  std::vector<std::int32_t> id;
+  std::vector<Body> start =
+      scatter_and_grow(radii, plan.box, plan.start_height, kSettleDensity, recipe, centre_stream, id, progress);
+  Bed bed(std::move(start), std::move(id), plan.box, plan.modulus, recipe.skin * plan.rmin);
+
+  state = {};
+  const double tolerance = kTouchTolerance * plan.rmin;
+  const auto tick = [&] {
+    if (progress) progress(0.5, "settling");
+  };
+  for (int round = 0; round < recipe.most_rounds; ++round) {
+    state.steps += come_to_rest(bed, plan, recipe, tick);
+    const int drop_steps = static_cast<int>(0.25 / plan.dt);  // s: some ten times the fall through a small ball's radius
+    std::int64_t dropped = bed.drop_unsupported(drop_steps, plan.dt, {recipe.dashpots, recipe.drag_per_s}, tolerance);
+    for (int s = 0; s < recipe.undamped_steps; ++s) bed.step(plan.dt, {recipe.dashpots, 0});
+    state.steps += recipe.undamped_steps;
+    state.kinetic_energy = bed.mean_kinetic_energy() / plan.energy_unit();
+    state.floor_over_weight = bed.floor_force() / plan.weight;
+    const std::int64_t un = bed.unsupported(tolerance);
+    if (std::getenv("TOUCHSTONE_TRACE"))
+      fprintf(stderr, "round %d steps %ld t=%.3f dropped %ld ke %.2e floor %.4f unsup %ld\n", round, state.steps,
+              state.steps * plan.dt, dropped, state.kinetic_energy, state.floor_over_weight, un);
+    if (state.kinetic_energy < 1e-3 && std::fabs(state.floor_over_weight - 1) < 0.01 && un == 0) break;
+  }
+  state.time_s = static_cast<double>(state.steps) * plan.dt;
+
+  // Radii and centres were drawn in random order, so ball k of that order is ball k of the packing: numbers at random.
+  Packing packing{name_of(spec), std::vector<Ball>(radii.size()), spec.seed};
+  for (std::size_t k = 0; k < bed.bodies().size(); ++k) {
+    const Body& b = bed.bodies()[k];
+    packing.balls[bed.id()[k]] = {static_cast<float>(b.x), static_cast<float>(b.y), static_cast<float>(b.z),
+                                  static_cast<float>(b.r)};
+  }
+  return packing;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,105 @@
+// Reading text files of columns without trusting them.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "touchstone/ball.h"
+#include "touchstone/error.h"
+
+namespace touchstone {
+
+// Lines of a text, LF or CRLF, numbered from 1.
+class TextLines {
+ public:
+  TextLines(std::string_view text, std::string where) : rest_(text), where_(std::move(where)) {}
+
+  bool next(std::string_view& line) {
+    if (rest_.empty()) return false;
+    ++number_;
+    const std::size_t end = rest_.find('\n');
+    line = rest_.substr(0, end);
+    rest_.remove_prefix(end == rest_.npos ? rest_.size() : end + 1);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (line.find('\0') != line.npos) fail("not text: it holds a zero byte");
+    return true;
+  }
+
+  [[noreturn]] void fail(const std::string& cause) const {
+    throw InputError(fmt::format("{}: line {}: {}", where_, number_, cause));
+  }
+
+  std::size_t bytes_left() const { return rest_.size(); }
+
+ private:
+  std::string_view rest_;
+  std::string where_;
+  std::int64_t number_ = 0;
+};
+
+// A piece of a line fit for an error message.
+inline std::string shown(std::string_view word) {
+  std::string text;
+  for (const char c : word.substr(0, 40)) text += c >= ' ' && c < 127 ? c : '?';
+  return word.size() > 40 ? text + "..." : text;
+}
+
+inline constexpr std::size_t kMostColumns = 256;
+
+// The line's columns, split at `separator` (' ' means any run of blanks and tabs) and trimmed.
+inline void split(std::string_view line, char separator, std::vector<std::string_view>& columns, const TextLines& lines) {
+  columns.clear();
+  const std::string_view blanks = " \t", ends = separator == ' ' ? blanks : std::string_view(&separator, 1);
+  while (true) {
+    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+    if (separator == ' ' && line.empty()) return;
+    const std::size_t end = std::min(line.find_first_of(ends), line.size());
+    std::string_view column = line.substr(0, end);
+    while (!column.empty() && blanks.find(column.back()) != blanks.npos) column.remove_suffix(1);
+    columns.push_back(column);
+    if (columns.size() > kMostColumns) lines.fail(fmt::format("more than {} columns", kMostColumns));
+    if (end == line.size()) return;
+    line.remove_prefix(end + 1);
+  }
+}
+
+// A float32 in metres from a word and its unit (metres a unit).
+inline float length(std::string_view word, double unit, const char* what, const TextLines& lines) {
+  std::string_view digits = word;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  const auto parse = [&](auto value) {
+    const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (status == std::errc::result_out_of_range)
+      lines.fail(fmt::format("{} is {}, beyond the range of a float32 number", what, shown(word)));
+    if (status != std::errc{} || end != digits.data() + digits.size())
+      lines.fail(fmt::format("{} is \"{}\", not a number", what, shown(word)));
+    return value;
+  };
+  // Metres are read as float32 at once: rounding through float64 first could round twice.
+  const float value = unit == 1 ? parse(float{}) : static_cast<float>(parse(double{}) * unit);
+  if (!std::isfinite(value)) lines.fail(fmt::format("{} is {}; it must be finite", what, shown(word)));
+  return value;
+}
+
+// Where in a line the four numbers stand, and their units.
+struct BallColumns {
+  std::size_t at[4] = {};
+  double unit[4] = {1, 1, 1, 1};
+};
+
+inline Ball ball_of(const std::vector<std::string_view>& columns, const BallColumns& where, std::size_t expected,
+                    const TextLines& lines) {
+  if (columns.size() != expected) lines.fail(fmt::format("{} columns, {} expected", columns.size(), expected));
+  constexpr const char* kNames[4] = {"x", "y", "z", "radius"};
+  float value[4];
+  for (int k = 0; k < 4; ++k) value[k] = length(columns[where.at[k]], where.unit[k], kNames[k], lines);
+  if (!(value[3] > 0)) lines.fail(fmt::format("radius is {}; it must be above zero", shown(columns[where.at[3]])));
+  return {value[0], value[1], value[2], value[3]};
+}
+
+}  // namespace touchstone
