@@ -88,8 +88,11 @@ void LevelIndex::search_ball(std::int32_t place, Sink& sink) const {
     const Grid& g = level.grid;
     const CellBox box = cells_of_partners(g, b, level.radius);
     const std::int32_t width = box.hi_x - box.lo_x + 1;
-    for (std::int32_t k = box.lo_z; k <= box.hi_z; ++k)
-      for (std::int32_t j = box.lo_y; j <= box.hi_y; ++j) {
+    // In the own level all rows before this ball's own hold earlier balls only.
+    std::int32_t k = l == own ? cell_coordinate(b.z, g.z0, g.inv_h, g.nz) : box.lo_z;
+    std::int32_t j = l == own ? cell_coordinate(b.y, g.y0, g.inv_h, g.ny) : box.lo_y;
+    for (; k <= box.hi_z; ++k, j = box.lo_y)
+      for (; j <= box.hi_y; ++j) {
         // Cells of a row follow each other, and so do their balls. Balls before this one have asked already.
         const std::int32_t* row = &start_[level.first_cell + g.cell_number(box.lo_x, j, k)];
         const std::int32_t first = std::max(row[0], place + 1), last = row[width];
