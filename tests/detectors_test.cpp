@@ -57,11 +57,17 @@ void set_order(std::uint64_t seed) {
 #endif
 }
 
-// Few threads keep the double quick; other numbers have a test of their own.
-DetectorParams quick(const DetectorInfo& info) {
+// What keeps the double quick: few threads, and no more than about five cells along the longest edge of the box. Other
+// numbers, and each detector's own, have tests of their own.
+DetectorParams quick(const DetectorInfo& info, const PackingFacts& facts) {
   DetectorParams params;
-  if (kDeviceIsDouble && info.threads_broad) params.threads_broad = 32;
-  if (kDeviceIsDouble && info.threads_narrow) params.threads_narrow = 64;
+  if (!kDeviceIsDouble || info.place == Place::host) return params;
+  if (info.threads_broad) params.threads_broad = 32;
+  if (info.threads_narrow) params.threads_narrow = 64;
+  double longest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    longest = std::max(longest, double{facts.surfaces.upper[axis]} - facts.surfaces.lower[axis]);
+  if (info.free_cell && facts.n > 0) params.cell = std::max({longest / 5, 4 * facts.ravg, 2.0 * facts.rmax});
   return params;
 }
 
@@ -149,7 +155,7 @@ TEST_P(OnPacking, FindsTheContacts) {
     if (info().place == Place::host) seeds = {0};
     for (std::uint64_t seed : seeds) {
       set_order(seed);
-      EXPECT_TRUE(equal(contacts_of(info(), balls(), quick(info()), form), expected))
+      EXPECT_TRUE(equal(contacts_of(info(), balls(), quick(info(), facts), form), expected))
           << to_string(form) << ", block order " << seed;
     }
   }
@@ -166,7 +172,7 @@ TEST_P(OnPacking, FindsTheSameInAnotherNumbering) {
 
   for (OutputForm form : kForms) {
     std::vector<Pair> back;
-    for (const Pair& p : contacts_of(info(), permuted, quick(info()), form).pairs) {
+    for (const Pair& p : contacts_of(info(), permuted, quick(info(), facts_of(permuted)), form).pairs) {
       const std::int32_t a = old_number[p.i], b = old_number[p.j];
       back.push_back({std::min(a, b), std::max(a, b)});
     }
@@ -213,7 +219,7 @@ TEST_P(Each, IsExactAtAnyCellSize) {
     if (!kThreadSanitizer) cells.insert(cells.end(), {0.7 * facts.rmin, 1.0 * facts.rmin, 1.3 * facts.ravg, 1.0 * facts.rmax});
     for (double cell : cells) {
       if (cell < least) continue;
-      DetectorParams params = quick(info());
+      DetectorParams params = quick(info(), facts);
       params.cell = cell;
       expect_exact(balls, params, "C = " + std::to_string(cell_factor) + ", cell " + std::to_string(cell) + " m");
     }
@@ -227,7 +233,7 @@ TEST_P(Each, IsExactOnCellBoundaries) {
     const std::vector<Ball> balls = packing(name);
     for (double cell : {0x1p-8, 0x1p-7, 0x1p-6}) {
       if (cell < info().least_cell_rmax * facts_of(balls).rmax || (kThreadSanitizer && cell < 0x1p-7)) continue;
-      DetectorParams params = quick(info());
+      DetectorParams params = quick(info(), facts);
       params.cell = cell;
       expect_exact(balls, params, std::string(name) + ", cell " + std::to_string(cell) + " m");
     }
@@ -283,7 +289,7 @@ TEST_P(Each, ReportsAFullPairList) {
   const ContactList expected = all_pairs(balls);
   ASSERT_GT(expected.count(), 4);
   for (std::int64_t capacity : {std::int64_t{1}, std::int64_t{2}, std::int64_t{4}, expected.count() - 1, expected.count()}) {
-    DetectorParams params = quick(info());
+    DetectorParams params = quick(info(), facts);
     if (info().buckets) params.cell_capacity = facts.n;
     Trial trial(info(), facts, params, OutputForm::pairs, capacity);
     const DetectorReport report = trial.detect(balls);
@@ -308,7 +314,7 @@ TEST_P(Each, ReportsAFullRow) {
   const std::int32_t longest = *std::max_element(lengths.begin(), lengths.end());
   ASSERT_GT(longest, 5);
   for (std::int32_t capacity : {1, 2, 4, longest - 1, longest}) {
-    DetectorParams params = quick(info());
+    DetectorParams params = quick(info(), facts);
     if (info().buckets) params.cell_capacity = facts.n;
     Trial trial(info(), facts, params, OutputForm::ball_lists, capacity);
     const DetectorReport report = trial.detect(balls);
@@ -327,7 +333,7 @@ TEST_P(Each, ReportsAFullCell) {
   const std::vector<Ball> balls = packing("mixture_c4");
   const PackingFacts facts = facts_of(balls);
   const ContactList expected = all_pairs(balls);
-  DetectorParams params = quick(info());
+  DetectorParams params = quick(info(), facts);
   params.cell_capacity = facts.n;
   const std::int64_t fullest = Trial(info(), facts, params, OutputForm::pairs, 10000).detect(balls).cell.count;
   ASSERT_GT(fullest, 4);
@@ -361,7 +367,8 @@ TEST_P(Each, StaysExactWhenBallsMove) {
     const ContactList expected = all_pairs(*balls);
     ASSERT_GT(expected.count(), 0) << what;
     for (OutputForm form : kForms)
-      EXPECT_TRUE(equal(contacts_of(info(), *balls, facts, quick(info()), form), expected)) << what << ", " << to_string(form);
+      EXPECT_TRUE(equal(contacts_of(info(), *balls, facts, quick(info(), facts), form), expected))
+          << what << ", " << to_string(form);
   }
 }
 
@@ -377,7 +384,7 @@ TEST_P(Each, StartsAfreshEachTime) {
   for (OutputForm form : kForms) {
     std::int64_t capacity = expected.count();
     if (form == OutputForm::ball_lists) capacity = 24;
-    DetectorParams params = quick(info());
+    DetectorParams params = quick(info(), facts);
     if (info().buckets) params.cell_capacity = facts.n;
     Trial trial(info(), facts, params, form, capacity);
     for (int repeat = 0; repeat < 2; ++repeat) {

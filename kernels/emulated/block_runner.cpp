@@ -1,9 +1,6 @@
 #include "kernels/emulated/block_runner.h"
 
 #include <fmt/format.h>
-#include <linux/futex.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +15,7 @@
 #include <vector>
 
 #include "kernels/emulated/cuda_words.h"
+#include "kernels/emulated/futex.h"
 #include "kernels/emulated/thread_pool.h"
 #include "touchstone/contact.h"
 
@@ -41,17 +39,9 @@ namespace {
 struct Aborted {};
 
 // ThreadSanitizer must see that barriers order memory, and must not see more order than CUDA gives. Hence three choices:
-// barriers wait on bare futexes (std::atomic::wait would share its waiters' table, a hidden order between warps); votes and
-// shuffles use relaxed atomics with fences, which order memory for the hardware but not for ThreadSanitizer; the count of
-// running threads is relaxed.
+// barriers wait on bare futexes (futex.h); votes and shuffles use relaxed atomics with fences, which order memory for the
+// hardware but not for ThreadSanitizer; the count of running threads is relaxed.
 enum class Orders { memory, nothing };
-
-void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t while_value) {
-  syscall(SYS_futex, &word, FUTEX_WAIT_PRIVATE, while_value, nullptr, nullptr, 0);
-}
-void futex_wake_all(std::atomic<std::uint32_t>& word) {
-  syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, 0x7FFFFFFF, nullptr, nullptr, 0);
-}
 
 // One CUDA thread, and where in the source it last met others: for messages, and to notice threads that meet astray.
 struct Thread {
@@ -82,7 +72,7 @@ struct Barrier {
     running.fetch_add(static_cast<int>(waiting), std::memory_order_relaxed);
     arrived.store(0, std::memory_order_relaxed);
     generation.fetch_add(1, orders == Orders::memory ? std::memory_order_release : std::memory_order_relaxed);
-    futex_wake_all(generation);
+    wake_all(generation);
   }
 };
 
@@ -243,7 +233,7 @@ void Launch::meet(Barrier& barrier, Orders orders, const char* word, const std::
 
 void Launch::wait_to_open(Barrier& barrier, std::uint32_t generation) {
   if (running_.fetch_sub(1, std::memory_order_relaxed) == 1) deadlock();
-  while (barrier.generation.load(std::memory_order_acquire) == generation) futex_wait(barrier.generation, generation);
+  wait_while(barrier.generation, generation);
 }
 
 // The first error is the one reported. All others who meet from now on leave the kernel.

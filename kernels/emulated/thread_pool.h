@@ -1,63 +1,63 @@
 // OS threads kept from launch to launch: starting hundreds anew for each kernel would take longer than the kernel.
 #pragma once
 
-#include <condition_variable>
+#include <atomic>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <thread>
-#include <vector>
+
+#include "kernels/emulated/futex.h"
 
 namespace touchstone::emulated {
 
-// OS threads kept for all launches of the program, as many as the largest asked for.
+// As many threads as the largest launch so far asked for.
 class ThreadPool {
  public:
   ~ThreadPool() {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-    }
-    start_.notify_all();
-    for (std::thread& worker : workers_) worker.join();
+    stop_ = true;
+    for (Worker& worker : workers_) worker.start();
+    for (Worker& worker : workers_) worker.thread.join();
   }
 
-  // work(0) … work(count - 1), all at the same time. One caller at a time.
+  // work(0) … work(count - 1), all at the same time; work must not throw. One caller at a time.
   void run(int count, const std::function<void(int)>& work) {
-    const std::lock_guard one_caller(caller_mutex_);
-    std::unique_lock lock(mutex_);
-    while (static_cast<int>(workers_.size()) < count)
-      workers_.emplace_back([this, number = static_cast<int>(workers_.size()), round = round_] { serve(number, round); });
+    const std::lock_guard one_caller(mutex_);
     work_ = &work;
-    wanted_ = busy_ = count;
-    ++round_;
-    start_.notify_all();
-    done_.wait(lock, [this] { return busy_ == 0; });
+    busy_ = static_cast<std::uint32_t>(count);
+    while (static_cast<int>(workers_.size()) < count) {
+      Worker& worker = workers_.emplace_back();
+      worker.thread = std::thread([this, &worker, number = static_cast<int>(workers_.size()) - 1] { serve(worker, number); });
+    }
+    for (int number = 0; number < count; ++number) workers_[number].start();
+    while (const std::uint32_t left = busy_) wait_while(busy_, left);
   }
 
  private:
-  void serve(int number, std::uint64_t round) {
-    std::unique_lock lock(mutex_);
-    for (;;) {
-      start_.wait(lock, [&] { return stop_ || round_ != round; });
+  struct Worker {
+    std::thread thread;
+    std::atomic<std::uint32_t> round{0};
+    void start() {
+      ++round;
+      wake_all(round);
+    }
+  };
+
+  void serve(Worker& worker, int number) {
+    for (std::uint32_t round = 0;; ++round) {
+      wait_while(worker.round, round);
       if (stop_) return;
-      round = round_;
-      if (number >= wanted_) continue;
-      const std::function<void(int)>& work = *work_;
-      lock.unlock();
-      work(number);
-      lock.lock();
-      if (--busy_ == 0) done_.notify_one();
+      (*work_)(number);
+      if (--busy_ == 0) wake_all(busy_);
     }
   }
 
-  std::mutex caller_mutex_, mutex_;
-  std::condition_variable start_, done_;
-  std::vector<std::thread> workers_;
+  std::mutex mutex_;
+  std::deque<Worker> workers_;  // a deque: workers stay where they are
   const std::function<void(int)>* work_ = nullptr;
-  int wanted_ = 0, busy_ = 0;
-  std::uint64_t round_ = 0;
-  bool stop_ = false;
+  std::atomic<std::uint32_t> busy_{0};
+  std::atomic<bool> stop_{false};
 };
 
 }  // namespace touchstone::emulated
