@@ -155,7 +155,7 @@ TEST_P(OnPacking, FindsTheContacts) {
     if (info().place == Place::host) seeds = {0};
     for (std::uint64_t seed : seeds) {
       set_order(seed);
-      EXPECT_TRUE(equal(contacts_of(info(), balls(), quick(info(), facts), form), expected))
+      EXPECT_TRUE(equal(contacts_of(info(), balls(), quick(info(), facts_of(balls())), form), expected))
           << to_string(form) << ", block order " << seed;
     }
   }
@@ -233,7 +233,7 @@ TEST_P(Each, IsExactOnCellBoundaries) {
     const std::vector<Ball> balls = packing(name);
     for (double cell : {0x1p-8, 0x1p-7, 0x1p-6}) {
       if (cell < info().least_cell_rmax * facts_of(balls).rmax || (kThreadSanitizer && cell < 0x1p-7)) continue;
-      DetectorParams params = quick(info(), facts);
+      DetectorParams params = quick(info(), facts_of(balls));
       params.cell = cell;
       expect_exact(balls, params, std::string(name) + ", cell " + std::to_string(cell) + " m");
     }
