@@ -48,9 +48,7 @@ int print_plan(const RunOptions& options) {
   }
   if (std::any_of(cases.begin(), cases.end(),
                   [](const Case& c) { return c.protocol == Protocol::best && tunable(*c.detector); })) {
-    PackingSpec tuning = tuning_spec(options.selection.profile);
-    if (options.tuning_n > 0) tuning.n = options.tuning_n;
-    count_packing(tuning);
+    count_packing(tuning_spec(cases.front().packing, options.selection.profile, options.tuning_n));
   }
   fmt::print("measure  {} cases on {} packings, about {} (what the journal holds already is not counted off)\n", cases.size(),
              packings.size(), duration_text(measuring));

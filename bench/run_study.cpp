@@ -118,8 +118,7 @@ void StudyRun::load_packings() {
 
 // One tuning a detector and output form, on another seed's packing; kept in the journal like a case.
 void StudyRun::tune_all() {
-  PackingSpec spec = tuning_spec(options_.selection.profile);
-  if (options_.tuning_n > 0) spec.n = options_.tuning_n;
+  const PackingSpec spec = tuning_spec(cases_.front().packing, options_.selection.profile, options_.tuning_n);
   for (const Case& c : cases_) {
     if (c.protocol != Protocol::best || !tunable(*c.detector) || tunings_.count(tuning_name(c))) continue;
     stop_if_interrupted();

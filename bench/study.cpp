@@ -80,10 +80,10 @@ std::vector<Case> plan_table2(const std::vector<PackingSpec>& specs, const Study
   return cases;
 }
 
-PackingSpec tuning_spec(Profile profile) {
-  PackingSpec spec;                                  // C = 4, base 20 x 20 cm
-  spec.n = profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
-  spec.seed = 2;
+PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n) {
+  PackingSpec spec = like;
+  spec.n = n > 0 ? n : profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
+  spec.seed = like.seed + 1;
   return spec;
 }
 

@@ -21,8 +21,9 @@ struct StudyOptions {
 // Throws InputError for a regular expression that is none.
 std::vector<Case> plan_table2(const std::vector<PackingSpec>& specs, const StudyOptions& options);
 
-// The spec whose packing tunes `best`: another seed, so that no reported packing was tuned on.
-PackingSpec tuning_spec(Profile profile);
+// The spec whose packing tunes `best`: like the study's, of another seed, so that no reported packing was tuned on.
+// n = 0: the profile's choice.
+PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n);
 
 // True where Protocol::best has something to choose.
 bool tunable(const DetectorInfo& info);
