@@ -135,6 +135,26 @@ TEST(GridFiling, OrderOfRoundingMatters) {
   EXPECT_LT(last_of_a, first_of_b);  // lost
 }
 
+// The padding is a margin, not a necessity: because the rule is strict and rounding is monotone, fl(xi - xj) < fl(ri + rj), and
+// two half ulps cannot outweigh the whole one between them. So touching balls overlap on every axis in real numbers, too
+// (differences of such floats are exact in double).
+TEST(GridFiling, TouchingBallsOverlapOnEveryAxisInRealNumbers) {
+  Random random(4);
+  int touching = 0, as_far_as_they_can = 0;
+  for (int t = 0; t < 1'000'000; ++t) {
+    const Ball i{random.between(-0.001, 0.001), 0, 0, random.between(kR, 4 * kR)};
+    Ball j{0, 0, 0, random.between(kR, 4 * kR)};
+    j.x = ulps_from(i.x + (i.r + j.r), random.below(5) - 2);
+    if (!in_contact(i, j)) continue;
+    ++touching;
+    const double apart = double{j.x} - i.x, reach = double{i.r} + j.r;
+    ASSERT_LE(apart, reach) << "try " << t;
+    as_far_as_they_can += apart > reach * (1 - 0x1p-24);
+  }
+  EXPECT_GT(touching, 100'000);
+  EXPECT_GT(as_far_as_they_can, 1000);
+}
+
 TEST(GridShape, NumbersCellsXFastest) {
   const Grid g = make_grid({{0, 0, 0}, {0.35f, 0.25f, 0.15f}}, 0.1);
   EXPECT_EQ(g.nx, 4);

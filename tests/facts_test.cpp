@@ -1,0 +1,84 @@
+// What detectors may know of a packing, and which packings are refused.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/small_packings.h"
+#include "touchstone/error.h"
+#include "touchstone/packing.h"
+
+namespace touchstone {
+namespace {
+
+TEST(Facts, OfNoBallsAreZero) {
+  const PackingFacts facts = facts_of({});
+  EXPECT_EQ(facts.n, 0);
+  EXPECT_EQ(facts.rmax, 0);
+  EXPECT_TRUE(facts.radii.empty());
+  EXPECT_EQ(facts.cell_factor(), 1);
+}
+
+TEST(Facts, OfTwoBalls) {
+  const std::vector<Ball> balls{{-1, 2, 3, 0.25f}, {1, -2, 5, 1}};
+  const PackingFacts facts = facts_of(balls);
+  EXPECT_EQ(facts.n, 2);
+  EXPECT_EQ(facts.rmin, 0.25f);
+  EXPECT_EQ(facts.rmax, 1);
+  EXPECT_EQ(facts.ravg, 0.625);
+  EXPECT_EQ(facts.cell_factor(), 4);
+  EXPECT_EQ(facts.centres.lower[0], -1);
+  EXPECT_EQ(facts.centres.upper[2], 5);
+  EXPECT_EQ(facts.surfaces.lower[1], -2 - pad(1));
+  EXPECT_EQ(facts.surfaces.upper[0], 1 + pad(1));
+}
+
+TEST(Facts, HistogramHoldsEveryBallBelowItsBinsUpperRadius) {
+  for (const SmallPacking& p : small_packings()) {
+    SCOPED_TRACE(p.name);
+    const PackingFacts facts = facts_of(p.balls);
+    ASSERT_LE(facts.radii.size(), 256u);
+    if (p.balls.empty()) continue;
+    EXPECT_EQ(facts.radii.back().first, facts.rmax);
+    float below = 0;
+    for (const auto& [upper, count] : facts.radii) {
+      std::int32_t balls = 0;
+      for (const Ball& b : p.balls) balls += below < b.r && b.r <= upper;
+      EXPECT_EQ(count, balls) << "up to " << upper;
+      below = upper;
+    }
+  }
+}
+
+std::string refusal(Ball bad) {
+  const std::vector<Ball> balls{{0, 0, 0, 1}, bad};
+  try {
+    validate(balls, "here");
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(Validate, NamesTheFirstBadBall) {
+  constexpr float kInf = HUGE_VALF;
+  const float nan = std::nanf("");
+  EXPECT_EQ(refusal({1, 2, 3, 0.5f}), "accepted");
+  for (const Ball& bad : {Ball{nan, 0, 0, 1}, {0, kInf, 0, 1}, {0, 0, -kInf, 1}})
+    EXPECT_NE(refusal(bad).find("here: ball 1 has centre"), std::string::npos) << refusal(bad);
+  for (const Ball& bad : {Ball{0, 0, 0, 0}, {0, 0, 0, -1}, {0, 0, 0, nan}, {0, 0, 0, kInf}})
+    EXPECT_NE(refusal(bad).find("here: ball 1 has radius"), std::string::npos) << refusal(bad);
+  EXPECT_NE(refusal({0, -1e6f, 0, 0.05f}).find("less than the spacing"), std::string::npos);
+  EXPECT_EQ(refusal({0, -1e6f, 0, 0.0625f}), "accepted");
+}
+
+TEST(PackingHash, IsOfTheBytes) {
+  std::vector<Ball> balls{{1, 2, 3, 4}, {5, 6, 7, 8}};
+  const std::uint64_t hash = packing_hash(balls);
+  EXPECT_EQ(packing_hash(balls), hash);
+  balls[1].r = std::nextafter(8.0f, 9.0f);
+  EXPECT_NE(packing_hash(balls), hash);
+  EXPECT_EQ(packing_hash({}), 0x2D06800538D394C2ull);  // XXH3-64 of nothing, as published
+}
+
+}  // namespace
+}  // namespace touchstone
