@@ -7,9 +7,8 @@
 #include "datasets/settle.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <numbers>
 
 #include "datasets/bed.h"
@@ -39,8 +38,10 @@ Plan make_plan(const PackingSpec& spec, const std::vector<float>& radii, const S
   plan.rmin = rmin;
   const double height = volume / (spec.base_x * spec.base_y * expected_solid_fraction(radii));
   plan.start_height = std::max(height / recipe.start_share, 2 * rmax);
+  // In a shallow bed one large ball's own weight, borne by a few small ones, counts for more than the bed's.
+  const double depth = std::max(height, 8 * rmax);
   // Equal spheres under the weight of half the bed carry pi/3 r^2 rho g H a contact (isotropic stress, z = 6).
-  const double stiffness = std::numbers::pi / 3 * rmin * kSettleDensity * kGravity * height / (2 * recipe.overlap);
+  const double stiffness = std::numbers::pi / 3 * rmin * kSettleDensity * kGravity * depth / (2 * recipe.overlap);
   plan.modulus = stiffness / rmin;
   plan.dt = recipe.step * sqrt(kSettleDensity * volume_of_ball(rmin) / stiffness);
   plan.weight = kSettleDensity * volume * kGravity;
@@ -48,16 +49,48 @@ Plan make_plan(const PackingSpec& spec, const std::vector<float>& radii, const S
   return plan;
 }
 
-// Steps with drag until the bed rests and its floor carries it. Returns the number of steps.
-std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, const std::function<void()>& tick) {
-  constexpr int kBetweenLooks = 50, kMostLooks = 2000;
-  for (int look = 1; look <= kMostLooks; ++look) {
-    for (int s = 0; s < kBetweenLooks; ++s) bed.step(plan.dt, {recipe.dashpots, recipe.drag_per_s});
-    tick();
-    const double floor = bed.floor_force() / plan.weight;
-    if (bed.mean_kinetic_energy() < recipe.rest * plan.energy_unit() && std::fabs(floor - 1) < 0.005) return look * kBetweenLooks;
+// Tells progress at most ten times a second. Most beds rest after about half a second of their own time.
+class Ticker {
+ public:
+  explicit Ticker(const Progress& progress) : progress_(progress) {}
+  void operator()(double share, std::string_view what) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!progress_ || now - last_ < std::chrono::milliseconds(100)) return;
+    last_ = now;
+    progress_(share, what);
   }
-  return std::int64_t{kMostLooks} * kBetweenLooks;  // the checks will say what is wrong
+
+ private:
+  const Progress& progress_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+// Steps with drag until the bed rests and its floor carries it, then lets the last balls down. Returns the steps taken.
+std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, std::int64_t steps_before, Ticker& tick) {
+  constexpr int kBetweenLooks = 50, kMostLooks = 2000, kMostDrops = 10;
+  constexpr double kUsualRest = 0.6, kDrop = 0.25;  // s; the latter is some ten times the fall through a small ball's radius
+  std::int64_t steps = 0;
+  for (int look = 0; look < kMostLooks; ++look) {  // past the last look the checks will say what is wrong
+    for (int s = 0; s < kBetweenLooks; ++s) bed.step(plan.dt, {recipe.dashpots, recipe.drag_per_s});
+    steps += kBetweenLooks;
+    const double time = static_cast<double>(steps_before + steps) * plan.dt;
+    tick(0.1 + 0.85 * std::min(1.0, time / kUsualRest), "settling");
+    if (bed.mean_kinetic_energy() < recipe.rest * plan.energy_unit() && std::fabs(bed.floor_force() / plan.weight - 1) < 0.005)
+      break;
+  }
+  for (int drop = 0; drop < kMostDrops && bed.unsupported(kTouchTolerance * plan.rmin) > 0; ++drop) {
+    bed.drop_unsupported(static_cast<int>(kDrop / plan.dt), plan.dt, {recipe.dashpots, recipe.drag_per_s},
+                         kTouchTolerance * plan.rmin);
+    tick(0.97, "letting down the last balls");
+  }
+  return steps;
+}
+
+// The bed left to itself from rest: what moves then was not in equilibrium. Works on a copy.
+void try_undamped(Bed bed, const Plan& plan, int steps, SettledState& state) {
+  for (int s = 0; s < steps; ++s) bed.step(plan.dt, {0, 0});
+  state.kinetic_energy = bed.mean_kinetic_energy() / plan.energy_unit();
+  state.floor_over_weight = bed.floor_force() / plan.weight;
 }
 
 }  // namespace
@@ -83,28 +116,17 @@ Packing settle(const PackingSpec& spec, SettledState& state, const Progress& pro
   const std::vector<float> radii = draw_radii(spec, radius_stream);
   const Plan plan = make_plan(spec, radii, recipe);
   std::vector<std::int32_t> id;
-  std::vector<Body> start =
-      scatter_and_grow(radii, plan.box, plan.start_height, kSettleDensity, recipe, centre_stream, id, progress);
+  Ticker tick(progress);
+  std::vector<Body> start = scatter_and_grow(radii, plan.box, plan.start_height, kSettleDensity, recipe, centre_stream, id,
+                                             [&](double share, std::string_view what) { tick(0.1 * share, what); });
   Bed bed(std::move(start), std::move(id), plan.box, plan.modulus, recipe.skin * plan.rmin);
 
   state = {};
-  const double tolerance = kTouchTolerance * plan.rmin;
-  const auto tick = [&] {
-    if (progress) progress(0.5, "settling");
-  };
   for (int round = 0; round < recipe.most_rounds; ++round) {
-    state.steps += come_to_rest(bed, plan, recipe, tick);
-    const int drop_steps = static_cast<int>(0.25 / plan.dt);  // s: some ten times the fall through a small ball's radius
-    std::int64_t dropped = bed.drop_unsupported(drop_steps, plan.dt, {recipe.dashpots, recipe.drag_per_s}, tolerance);
-    for (int s = 0; s < recipe.undamped_steps; ++s) bed.step(plan.dt, {recipe.dashpots, 0});
-    state.steps += recipe.undamped_steps;
-    state.kinetic_energy = bed.mean_kinetic_energy() / plan.energy_unit();
-    state.floor_over_weight = bed.floor_force() / plan.weight;
-    const std::int64_t un = bed.unsupported(tolerance);
-    if (std::getenv("TOUCHSTONE_TRACE"))
-      fprintf(stderr, "round %d steps %ld t=%.3f dropped %ld ke %.2e floor %.4f unsup %ld\n", round, state.steps,
-              state.steps * plan.dt, dropped, state.kinetic_energy, state.floor_over_weight, un);
-    if (state.kinetic_energy < 1e-3 && std::fabs(state.floor_over_weight - 1) < 0.01 && un == 0) break;
+    state.steps += come_to_rest(bed, plan, recipe, state.steps, tick);
+    try_undamped(bed, plan, recipe.undamped_steps, state);
+    const std::int64_t unsupported = bed.unsupported(kTouchTolerance * plan.rmin);
+    if (state.kinetic_energy < 1e-3 && std::fabs(state.floor_over_weight - 1) < 0.01 && unsupported == 0) break;
   }
   state.time_s = static_cast<double>(state.steps) * plan.dt;
 

@@ -105,6 +105,8 @@ std::filesystem::path default_packing_folder() {
   return std::filesystem::path(TOUCHSTONE_SOURCE_DIR) / "build" / "packings";
 }
 
+std::filesystem::path spec_folder() { return std::filesystem::path(TOUCHSTONE_SOURCE_DIR) / "datasets" / "specs"; }
+
 std::vector<CachedPacking> list_cached(const std::filesystem::path& folder) {
   std::vector<CachedPacking> found;
   std::error_code status;

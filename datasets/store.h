@@ -35,6 +35,9 @@ std::vector<CachedPacking> list_cached(const std::filesystem::path& folder);
 // The .json that belongs to `balls_file` (a .balls file), if there is one and its hash is that of these balls.
 std::optional<CachedPacking> cached_meta(const std::filesystem::path& balls_file, std::uint64_t hash);
 
+// datasets/specs of the source tree this was built from.
+std::filesystem::path spec_folder();
+
 // $TOUCHSTONE_PACKINGS, else build/packings below the source tree this was built from.
 std::filesystem::path default_packing_folder();
 

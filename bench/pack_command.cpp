@@ -1,0 +1,142 @@
+#include "bench/pack_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "bench/interrupt.h"
+#include "datasets/formats.h"
+#include "datasets/spec.h"
+#include "datasets/store.h"
+#include "datasets/validity.h"
+#include "touchstone/contact_list.h"
+#include "touchstone/error.h"
+
+namespace touchstone {
+namespace {
+
+struct PackOptions {
+  std::string spec, set, check, out, format, folder;
+  bool list = false;
+};
+
+std::filesystem::path folder_of(const PackOptions& o) {
+  return o.folder.empty() ? default_packing_folder() : std::filesystem::path(o.folder);
+}
+
+// A set's name ("table2": datasets/specs/table2.json) or the path of such a file.
+std::filesystem::path set_file(const std::string& set) {
+  if (std::filesystem::is_regular_file(set)) return set;
+  const std::filesystem::path ours = spec_folder() / (set + ".json");
+  if (std::filesystem::is_regular_file(ours)) return ours;
+  throw InputError(fmt::format("--set {}: neither a file nor one of {}/*.json", set, spec_folder().string()));
+}
+
+// One line on a terminal, rewritten; nothing elsewhere. Stops at Ctrl-C.
+Progress progress_for(const std::string& name) {
+  const bool terminal = isatty(STDERR_FILENO);
+  return [name, terminal](double share, std::string_view what) {
+    stop_if_interrupted();
+    if (terminal) fmt::print(stderr, "\r{}: {} {:3.0f} % \x1b[K", name, what, 100 * share);
+  };
+}
+
+void print_facts(const Packing& packing) {
+  const PackingFacts f = facts_of(packing.balls);
+  fmt::print("{}: {} balls, radii {:.6g} to {:.6g} cm (mean {:.6g}), C = {:.4g}, hash {}\n", packing.name, f.n, 100 * f.rmin,
+             100 * f.rmax, 100 * f.ravg, f.cell_factor(), hex64(packing_hash(packing.balls)));
+  fmt::print("  surfaces from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) cm\n", 100 * f.surfaces.lower[0],
+             100 * f.surfaces.lower[1], 100 * f.surfaces.lower[2], 100 * f.surfaces.upper[0], 100 * f.surfaces.upper[1],
+             100 * f.surfaces.upper[2]);
+}
+
+void print_validity(const nlohmann::json& meta) {
+  if (!meta.contains("validity")) return;
+  const auto& validity = meta["validity"];
+  for (const auto& check : validity.at("checks"))
+    fmt::print("  {:<30} {:>12.6g}  {:>10.6g} .. {:<10.6g} {}\n", check.at("name").get<std::string>(),
+               check.at("value").get<double>(), check.at("low").get<double>(), check.at("high").get<double>(),
+               !check.at("judged").get<bool>()  ? "not judged"
+               : check.at("passed").get<bool>() ? "ok"
+                                                : "FAILED");
+  fmt::print("  {:<30} {:>12.6g}\n  {:<30} {:>12.6g}\n  {:<30} {:>12.6g}\n", "mean contacts",
+             validity.at("mean_contacts").get<double>(), "share of rattlers", validity.at("rattler_share").get<double>(),
+             "height, cm", validity.at("height_cm").get<double>());
+}
+
+Packing make(const PackingSpec& spec, const PackOptions& o) {
+  const std::string name = name_of(spec);
+  Packing packing = load_or_make(spec, folder_of(o), progress_for(name));
+  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\x1b[K");
+  fmt::print("{}  n {}  hash {}\n", name, packing.balls.size(), hex64(packing_hash(packing.balls)));
+  std::fflush(stdout);
+  return packing;
+}
+
+void list(const PackOptions& o) {
+  fmt::print("{:<28} {:>10} {:>6} {:>6}  {:<16}  {:<10} {}\n", "name", "n", "C", "seed", "hash", "validity", "contacts");
+  for (const CachedPacking& cached : list_cached(folder_of(o))) {
+    const PackingSpec spec = parse_spec(cached.spec);
+    const char* validity = "-";
+    if (cached.meta.contains("validity")) validity = cached.meta["validity"].at("passed").get<bool>() ? "valid" : "INVALID";
+    if (cached.generator_version != kGeneratorVersion) validity = "outdated";
+    const std::string contacts = cached.meta.contains("contacts") ? cached.meta["contacts"].dump() : "-";
+    fmt::print("{:<28} {:>10} {:>6} {:>6}  {:<16}  {:<10} {}\n", cached.name, cached.n, spec.cell_factor, spec.seed, cached.hash,
+               validity, contacts);
+  }
+}
+
+void check(const std::string& file) {
+  const Packing packing = read_packing(file);
+  print_facts(packing);
+  if (const auto cached = cached_meta(file, packing_hash(packing.balls))) {
+    fmt::print("  spec {}\n", cached->spec);
+    print_validity(cached->meta);
+  }
+}
+
+int pack(const PackOptions& o) {
+  const int asked = !o.spec.empty() + !o.set.empty() + !o.check.empty() + o.list;
+  if (asked != 1) throw InputError("pack: give one of --spec SPEC, --set NAME, --check FILE and --list");
+  if (!o.out.empty() && o.spec.empty() && o.check.empty()) throw InputError("pack: --out goes with --spec or --check");
+  if (!o.format.empty() && o.out.empty()) throw InputError("pack: --format goes with --out");
+  catch_interrupts();
+  const auto write = [&](const Packing& packing) {
+    if (o.out.empty()) return;
+    write_packing(o.out, packing,
+                  o.format.empty() ? packing_format(std::filesystem::path(o.out)) : packing_format(std::string_view(o.format)));
+  };
+  if (o.list) list(o);
+  if (!o.out.empty() && o.format.empty()) packing_format(std::filesystem::path(o.out));  // refused before minutes of work
+  if (!o.format.empty()) packing_format(std::string_view(o.format));
+  if (!o.spec.empty()) write(make(parse_spec(o.spec), o));
+  if (!o.set.empty())
+    for (const PackingSpec& spec : load_spec_set(set_file(o.set))) make(spec, o);
+  if (!o.check.empty()) {
+    check(o.check);
+    if (!o.out.empty()) write(read_packing(o.check));
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_pack_command(CLI::App& app, int& exit_code) {
+  auto o = std::make_shared<PackOptions>();
+  auto* command = app.add_subcommand("pack", "make, list, check and export packings");
+  command->add_option("--spec", o->spec,
+                      "packing to make: key=value pairs (n=20653,c=4,seed=1,base=20x20,mix=table1,kind=settled) or a JSON file");
+  command->add_option("--set", o->set, "make all packings of a set: table2, figure6, or a JSON file");
+  command->add_option("--check", o->check, "read a .balls, .xyz or .csv file, validate it, print its facts");
+  command->add_flag("--list", o->list, "list the packings that are cached");
+  command->add_option("--out", o->out, "write the packing of --spec or --check to this file");
+  command->add_option("--format", o->format, "balls, xyz, csv or vtp; otherwise by the extension of --out");
+  command->add_option("--folder", o->folder, "where packings are cached (default $TOUCHSTONE_PACKINGS, else build/packings)");
+  command->callback([o, &exit_code] { exit_code = pack(*o); });
+}
+
+}  // namespace touchstone
