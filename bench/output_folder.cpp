@@ -28,7 +28,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
   if (file_ < 0) throw InputError(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
   if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
     ::close(file_);
-    throw InputError(fmt::format("{}: another run writes into this folder; wait for it, or choose another --out", folder.string()));
+    throw InputError(
+        fmt::format("{}: another run writes into this folder; wait for it, or choose another --out", folder.string()));
   }
 }
 

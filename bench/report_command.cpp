@@ -33,7 +33,8 @@ int write_report(const ReportOptions& o) {
   std::vector<report::Device> devices = report::read_devices(o.results, "table2", false);
   if (!o.local.empty())
     for (report::Device& d : report::read_devices(o.local, "table2", true)) {
-      const bool published = std::any_of(devices.begin(), devices.end(), [&](const auto& other) { return other.run_id == d.run_id; });
+      const bool published =
+          std::any_of(devices.begin(), devices.end(), [&](const auto& other) { return other.run_id == d.run_id; });
       if (!published) devices.push_back(std::move(d));
     }
   const report::Published published = report::read_published(o.results, "table2");
@@ -50,7 +51,8 @@ int write_report(const ReportOptions& o) {
   const std::string failed = report::draw_figure8(source_folder() / "plots/figure8.gp", o.out);
   if (!failed.empty()) fmt::print(stderr, "touchstone: {}\n", failed);
   write_atomically(o.out / "report.md", all + "![Figure 8](figure8.svg)\n");
-  fmt::print("{}: report.md, tables 1 and 2 as .md, .csv and .tex{}\n", o.out.string(), failed.empty() ? ", figure 8 as .svg, .png and .pdf" : "");
+  fmt::print("{}: report.md, tables 1 and 2 as .md, .csv and .tex{}\n", o.out.string(),
+             failed.empty() ? ", figure 8 as .svg, .png and .pdf" : "");
   return failed.empty() ? kExitOk : kExitPartial;
 }
 

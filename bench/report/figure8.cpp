@@ -49,7 +49,8 @@ void add(std::vector<Series>& panel, std::string label, int style, std::vector<P
 std::string fastest_gpu_detector(const Device& d) {
   const Row* best = nullptr;
   for (const Row& r : d.rows) {
-    if (r.place != "gpu" || r.protocol != "best" || r.launch != "stream" || r.cache != "hot" || r.output != "ball_lists") continue;
+    if (r.place != "gpu" || r.protocol != "best" || r.launch != "stream" || r.cache != "hot" || r.output != "ball_lists")
+      continue;
     if (!best || r.n > best->n || (r.n == best->n && r.median_us < best->median_us)) best = &r;
   }
   return best ? best->detector : "";
@@ -66,14 +67,14 @@ std::string short_name(const Device& d) {
 void add_cpu(Figure8& f, const Device& d) {
   const auto serial = points(d, at("serial_multi_cell", "paper")), levels = points(d, at("serial_levels", "best")),
              parallel = points(d, at("parallel_levels", "best"));
-  const std::string cpu = d.local ? "this CPU" : "its host's CPU";
-  const std::string who = d.has_gpu() ? cpu : short_name(d);
+  const std::string who = d.has_gpu() ? short_name(d) + "'s host" : short_name(d);
   add(f.times, fmt::format("serial multi-cell, 1 cm ({})", who), kSerialPaper, serial);
   add(f.times, fmt::format("serial levels ({})", who), kSerialBest, levels);
   add(f.times, fmt::format("parallel levels, {} cores ({})", d.cores, who), kParallel, parallel);
   if (d.has_gpu()) return;
   add(f.speedups, "serial levels over serial multi-cell, 1 cm", kSerialBest, ratio(serial, levels));
-  add(f.speedups, fmt::format("parallel levels, {} cores, over serial multi-cell, 1 cm", d.cores), kParallel, ratio(serial, parallel));
+  add(f.speedups, fmt::format("parallel levels, {} cores, over serial multi-cell, 1 cm", d.cores), kParallel,
+      ratio(serial, parallel));
 }
 
 void add_gpu(Figure8& f, const Device& d) {
@@ -84,7 +85,8 @@ void add_gpu(Figure8& f, const Device& d) {
   add(f.times, fmt::format("{}, {} at its best", name, fastest), kGpuBest, best);
   add(f.speedups, fmt::format("{}, paper's method over serial multi-cell, both 1 cm", name), kGpuPaper,
       ratio(points(d, at("serial_multi_cell", "paper")), paper));
-  add(f.speedups, fmt::format("{}, {} over serial levels", name, fastest), kSerialBest, ratio(points(d, at("serial_levels", "best")), best));
+  add(f.speedups, fmt::format("{}, {} over serial levels", name, fastest), kSerialBest,
+      ratio(points(d, at("serial_levels", "best")), best));
   add(f.speedups, fmt::format("{}, {} over parallel levels, {} cores", name, fastest, d.cores), kParallel,
       ratio(points(d, at("parallel_levels", "best")), best));
 }

@@ -19,10 +19,10 @@ struct Row {
 
 // One results file of one device.
 struct Device {
-  std::string slug, label;     // folder; what people call it
-  std::string gpu, cpu;        // gpu "" for a machine without one
+  std::string slug, label;  // folder; what people call it
+  std::string gpu, cpu;     // gpu "" for a machine without one
   int cores = 0;
-  bool local = false;          // from --local, not committed
+  bool local = false;  // from --local, not committed
   bool reportable = false;
   std::vector<std::string> why_not;
   std::string profile, run_id;

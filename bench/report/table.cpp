@@ -32,7 +32,10 @@ std::string latex_text(const std::string& text) {
   std::string out;
   for (const char c : text) {
     if (std::string_view("&%$#_{}").find(c) != std::string_view::npos) out += '\\';
-    out += c == '\\' ? std::string("\\textbackslash{}") : c == '^' ? std::string("\\^{}") : c == '~' ? std::string("\\~{}") : std::string(1, c);
+    out += c == '\\'  ? std::string("\\textbackslash{}")
+           : c == '^' ? std::string("\\^{}")
+           : c == '~' ? std::string("\\~{}")
+                      : std::string(1, c);
   }
   return replace_all(replace_all(out, "×", "$\\times$"), "≥", "$\\geq$");
 }
@@ -64,7 +67,8 @@ std::string to_csv(const Table& t) {
 
 std::string to_latex(const Table& t) {
   std::string text = "% " + t.id + "\n\\begin{table}\n\\caption{" + latex_text(t.caption) + "}\n\\begin{tabular}{l" +
-                     std::string(t.header.empty() ? 0 : t.header.size() - 1, 'r') + "}\n\\hline\n" + latex_line(t.header) + "\\hline\n";
+                     std::string(t.header.empty() ? 0 : t.header.size() - 1, 'r') + "}\n\\hline\n" + latex_line(t.header) +
+                     "\\hline\n";
   for (const auto& row : t.rows) text += latex_line(row);
   text += "\\hline\n\\end{tabular}\n";
   for (const std::string& note : t.notes) text += "\n\\footnotesize " + latex_text(note) + "\n";

@@ -57,7 +57,8 @@ std::string host_text(const Device& d) { return fmt::format("{}, {} core{}", d.c
 
 // One line of words, then the same quantity at every size.
 template <class Cell>
-std::vector<std::string> line(const std::string& first, const std::string& second, const std::vector<std::int64_t>& ns, Cell cell) {
+std::vector<std::string> line(const std::string& first, const std::string& second, const std::vector<std::int64_t>& ns,
+                              Cell cell) {
   std::vector<std::string> row{first, second};
   for (const std::int64_t n : ns) row.push_back(cell(n));
   return row;
@@ -73,7 +74,11 @@ Table device_table(const Device& device, const std::string& id, const std::strin
 }  // namespace
 
 Table table1(const std::filesystem::path& results) {
-  Table t{"table1", "Table 1: mean radius by cell factor, cm; published (truncated there) and of the packings of 50,000 balls here", {}, {}, {}};
+  Table t{"table1",
+          "Table 1: mean radius by cell factor, cm; published (truncated there) and of the packings of 50,000 balls here",
+          {},
+          {},
+          {}};
   t.header = {"cell factor", "rmin", "rmax", "ravg (published)", "ravg (here)"};
   const std::filesystem::path path = results / "expected.json";
   nlohmann::json expected = nlohmann::json::object();
@@ -86,15 +91,24 @@ Table table1(const std::filesystem::path& results) {
     const std::string name = fmt::format("c{}_n50000", row[0]);
     const auto at = expected.find(name);
     const bool known = at != expected.end() && at->contains("ravg_cm");
-    row.push_back(known ? fmt::format("{:.5f}", (*at)["ravg_cm"].get<double>()) : fmt::format("not measured: {} is not in expected.json", name));
+    row.push_back(known ? fmt::format("{:.5f}", (*at)["ravg_cm"].get<double>())
+                        : fmt::format("not measured: {} is not in expected.json", name));
     t.rows.push_back(std::move(row));
   }
   return t;
 }
 
 Table table2(const Published& published, const std::vector<Device>& devices) {
-  Table t{"table2", "Table 2: time for contact detection, ms, C = 4, cell 1 cm; published, and the same method at the same cell today", {}, {}, {}};
-  t.header = {"N", "CPU (published)", "GTX285 (published)", "GTX580 (published)", "GTX285: speed-up over CPU (published)",
+  Table t{"table2",
+          "Table 2: time for contact detection, ms, C = 4, cell 1 cm; published, and the same method at the same cell today",
+          {},
+          {},
+          {}};
+  t.header = {"N",
+              "CPU (published)",
+              "GTX285 (published)",
+              "GTX580 (published)",
+              "GTX285: speed-up over CPU (published)",
               "GTX580: speed-up over CPU (published)"};
   for (const Device& d : devices) {
     t.header.push_back(fmt::format("serial_multi_cell, {}", host_text(d)));
@@ -126,19 +140,20 @@ Table table2(const Published& published, const std::vector<Device>& devices) {
 }
 
 Table table2_best(const Device& device) {
-  Table t = device_table(device, "table2_best",
-                         fmt::format("Table 2 on {}, each detector at its own best cell and threads (tuned on another seed); ms, and speed-ups",
-                                     device.label));
+  Table t = device_table(
+      device, "table2_best",
+      fmt::format("Table 2 on {}, each detector at its own best cell and threads (tuned on another seed); ms, and speed-ups",
+                  device.label));
   const auto ns = sizes(device.rows);
   for (const std::string& label : detectors(device, "cpu", "best"))
     t.rows.push_back(line(label, "ms", ns, [&](std::int64_t n) { return time_cell(device, query(label, "best", n)); }));
   for (const std::string& label : detectors(device, "gpu", "best")) {
     for (const std::string launch : {"stream", "graph"})
-      t.rows.push_back(line(label, "ms, " + launch, ns, [&](std::int64_t n) { return time_cell(device, query(label, "best", n, launch)); }));
+      t.rows.push_back(
+          line(label, "ms, " + launch, ns, [&](std::int64_t n) { return time_cell(device, query(label, "best", n, launch)); }));
     for (const std::string base : {"serial_multi_cell", "serial_levels", "parallel_levels"})
-      t.rows.push_back(line(label, "speed-up over " + base + " (stream)", ns, [&](std::int64_t n) {
-        return ratio_cell(device, query(base, "best", n), query(label, "best", n));
-      }));
+      t.rows.push_back(line(label, "speed-up over " + base + " (stream)", ns,
+                            [&](std::int64_t n) { return ratio_cell(device, query(base, "best", n), query(label, "best", n)); }));
   }
   t.notes.push_back("Medians, ball_lists, hot cache. A speed-up is the base's time above divided by the detector's.");
   if (!device.has_gpu()) t.notes.push_back("GPU detectors: not measured: this machine has no usable GPU");
@@ -147,17 +162,18 @@ Table table2_best(const Device& device) {
 }
 
 Table table2_rule(const Device& device) {
-  Table t = device_table(device, "table2_rule",
-                         fmt::format("Table 2 on {} at the paper's rules: cell 2 ravg on the CPU (eq. 3), 4 ravg on the GPU (eq. 4); ms, and speed-ups",
-                                     device.label));
+  Table t = device_table(
+      device, "table2_rule",
+      fmt::format(
+          "Table 2 on {} at the paper's rules: cell 2 ravg on the CPU (eq. 3), 4 ravg on the GPU (eq. 4); ms, and speed-ups",
+          device.label));
   const auto ns = sizes(device.rows);
   const std::string base = "serial_multi_cell";
   t.rows.push_back(line(base, "ms (eq. 3)", ns, [&](std::int64_t n) { return time_cell(device, query(base, "rule", n)); }));
   for (const std::string& label : detectors(device, "gpu", "rule")) {
     t.rows.push_back(line(label, "ms (eq. 4)", ns, [&](std::int64_t n) { return time_cell(device, query(label, "rule", n)); }));
-    t.rows.push_back(line(label, "speed-up over serial_multi_cell (eq. 3)", ns, [&](std::int64_t n) {
-      return ratio_cell(device, query(base, "rule", n), query(label, "rule", n));
-    }));
+    t.rows.push_back(line(label, "speed-up over serial_multi_cell (eq. 3)", ns,
+                          [&](std::int64_t n) { return ratio_cell(device, query(base, "rule", n), query(label, "rule", n)); }));
   }
   t.notes.push_back("Medians, ball_lists, stream launch, hot cache.");
   if (!device.has_gpu()) t.notes.push_back("GPU detectors: not measured: this machine has no usable GPU");

@@ -1,0 +1,162 @@
+// The benchmark's parts: verification before time, the reporter's rule for failed cases, the journal, names and numbers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bench/case_runner.h"
+#include "bench/detectors.h"
+#include "bench/machine.h"
+#include "bench/reporter.h"
+#include "bench/tuner.h"
+#include "tests/results_schema.h"
+#include "tests/run_program.h"
+#include "touchstone/error.h"
+
+namespace touchstone {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+// Balls of radius 1 on a line, 1.5 apart: each touches the next.
+Packing chain(int n) {
+  Packing p{"chain", {}, 0};
+  for (int i = 0; i < n; ++i) p.balls.push_back({1.5f * static_cast<float>(i), 0, 0, 1});
+  return p;
+}
+
+Case serial_case() {
+  Case c;
+  c.study = "test";
+  c.detector = &find_detector("serial_levels");
+  c.packing.n = 20;
+  return c;
+}
+
+TEST(Verify, ASetThatDiffersIsNoticedAndNamed) {
+  const Packing p = chain(20);
+  const PackingFacts facts = facts_of(p.balls);
+  Stream stream(Place::host);
+  const Detection d = detect_completely(find_detector("serial_levels"), p.balls, facts, {}, OutputForm::pairs, stream);
+  Reference reference = make_reference(p.balls, facts);
+  EXPECT_EQ(reference.contacts, 19);
+  EXPECT_EQ(mismatch(d, reference, stream), "");
+  reference.list.pairs.back() = {0, 19};  // the same count, another contact
+  EXPECT_THAT(mismatch(d, reference, stream), HasSubstr("1 missing"));
+  reference.only_hash = true;
+  EXPECT_EQ(mismatch(d, reference, stream), "");
+  reference.hash ^= 1;
+  EXPECT_THAT(mismatch(d, reference, stream), HasSubstr("hash"));
+}
+
+TEST(CaseRunner, TakesNineRepetitionsOfAVerifiedDetector) {
+  PackingContext context(chain(20));
+  CaseRunner runner(serial_case(), {}, context, Profile::fast, {"dirty"});
+  for (int k = 0; k < kRepetitions; ++k) {
+    EXPECT_FALSE(runner.complete());
+    EXPECT_GT(runner.repetition_us(), 0);
+  }
+  ASSERT_TRUE(runner.complete());
+  EXPECT_EQ(runner.measurement().samples_us.size(), std::size_t{kRepetitions} * kSamplesPerRepetition);
+  EXPECT_EQ(runner.measurement().report.contacts, 19);
+  EXPECT_EQ(runner.measurement().flags.front(), "dirty");
+}
+
+benchmark::BenchmarkReporter::Run fake_run(const std::string& name, int repetition, const std::string& error) {
+  benchmark::BenchmarkReporter::Run run;
+  run.run_name.function_name = name;
+  run.time_unit = benchmark::kMicrosecond;
+  run.real_accumulated_time = 1e-6 * (1 + repetition);
+  run.repetitions = 9;
+  run.repetition_index = repetition;
+  run.family_index = run.per_family_instance_index = 0;
+  run.error_occurred = !error.empty();
+  run.error_message = error;
+  return run;
+}
+
+std::vector<benchmark::BenchmarkReporter::Run> fake_runs(const std::string& name, const std::string& error) {
+  std::vector<benchmark::BenchmarkReporter::Run> runs;
+  for (int k = 0; k < 9; ++k) runs.push_back(fake_run(name, k, k == 8 ? error : ""));
+  return runs;
+}
+
+TEST(Reporter, AFailedCaseIsNeverARow) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "t.json";
+  ResultsFile file(path, Json::object());
+  Journal journal(folder.path() / "t.jsonl", false);
+  std::map<std::string, CaseRecord> records;
+  for (const char* name : {"good", "bad", "stopped"})
+    records[name] = {std::string("key ") + name, {{"detector", name}}, {{"n", 1}}, {1.0}};
+  bool finished = false;
+  Reporter reporter(file, journal, records, {"good", "bad", "stopped"}, [&] { finished = true; });
+  reporter.ReportContext({});
+  reporter.ReportRuns(fake_runs("good", ""));
+  reporter.ReportRuns(fake_runs("bad", "mismatch: 3 missing"));  // its last repetition only
+  reporter.ReportRuns(fake_runs("stopped", kInterruptedMessage));
+  reporter.Finalize();
+  EXPECT_TRUE(finished);
+  const auto j = testing::parse_strictly(testing::file_text(path));
+  ASSERT_EQ(j["benchmarks"].size(), 9u);
+  EXPECT_EQ(j["benchmarks"][0]["run_name"], "good");
+  EXPECT_TRUE(j["benchmarks"][0].contains("samples_us"));
+  EXPECT_FALSE(j["benchmarks"][1].contains("samples_us"));
+  const auto& skipped = j["context"]["touchstone"]["skipped"];
+  ASSERT_EQ(skipped.size(), 1u);
+  EXPECT_EQ(skipped[0]["detector"], "bad");
+  EXPECT_EQ(skipped[0]["code"], "mismatch");
+  EXPECT_EQ(skipped[0]["message"], "3 missing");
+
+  const Journal reopened(folder.path() / "t.jsonl", false);
+  EXPECT_NE(reopened.find("key good"), nullptr);
+  EXPECT_EQ(reopened.find("key bad"), nullptr);
+  EXPECT_EQ(reopened.cases_with_prefix("key ").size(), 1u);
+}
+
+TEST(Timing, QuartilesInterpolate) {
+  const Quartiles q = quartiles({4, 1, 3, 2});
+  EXPECT_DOUBLE_EQ(q.q1, 1.75);
+  EXPECT_DOUBLE_EQ(q.median, 2.5);
+  EXPECT_DOUBLE_EQ(q.q3, 3.25);
+  EXPECT_THROW(quartiles({}), std::logic_error);
+}
+
+TEST(Detectors, AnUnknownNameListsNearOnes) {
+  try {
+    find_detector("serial_level");
+    FAIL() << "no such detector";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("serial_levels"));
+  }
+}
+
+TEST(Case, PaperRuleAndBestChooseTheCell) {
+  PackingFacts facts;
+  facts.ravg = 0.0025;
+  facts.rmax = 0.01f;
+  DetectorInfo info = find_detector("serial_multi_cell");
+  Case c = serial_case();
+  c.detector = &info;
+  Tuning tuning;
+  tuning.cell_ravg = 6;
+  c.protocol = Protocol::paper;
+  EXPECT_DOUBLE_EQ(params_of(c, facts, tuning).cell, 0.01);
+  c.protocol = Protocol::rule;
+  EXPECT_DOUBLE_EQ(params_of(c, facts, tuning).cell, 2 * 0.0025);
+  c.protocol = Protocol::best;
+  EXPECT_DOUBLE_EQ(params_of(c, facts, tuning).cell, 6 * 0.0025);
+  info.place = Place::device;
+  info.least_cell_rmax = 2;
+  info.threads_narrow = true;
+  c.protocol = Protocol::paper;  // 1 cm is refused: the least the detector takes
+  EXPECT_DOUBLE_EQ(params_of(c, facts, tuning).cell, 2.0 * 0.01f);
+  EXPECT_EQ(params_of(c, facts, tuning).threads_narrow, 128);
+}
+
+TEST(Machine, SlugsNameFolders) {
+  EXPECT_EQ(slug("NVIDIA H100 80GB HBM3"), "nvidia-h100-80gb-hbm3");
+  EXPECT_EQ(slug("Intel(R) Xeon(R) CPU @ 2.00GHz"), "intel-r-xeon-r-cpu-2-00ghz");
+}
+
+}  // namespace
+}  // namespace touchstone
