@@ -2,12 +2,13 @@
 // an atomicAdd into a bucket of fixed capacity (four in his text), every ball tested against the 27 cells about it. Exact only
 // while a cell is at least 2 rmax wide. No sort; memory for every slot of every cell, used or not.
 //
-// Where this differs: buckets hold copies of the balls beside their numbers, so that a search reads whole buckets in order;
-// counters go on past a full bucket, so that a loss is seen and mended.
-#include "kernels/ball_search.h"
+// Where this differs: buckets hold copies of the balls beside their numbers; a block searches for all balls of a cell at once,
+// with the candidates of its 27 cells in shared memory; counters go on past a full bucket, so that a loss is seen and mended.
+#include "kernels/contact_writer.h"
 #include "kernels/detection.h"
 #include "kernels/planning.h"
 #include "kernels/variants.h"
+#include "touchstone/contact.h"
 #include "touchstone/grid.h"
 
 namespace touchstone {
@@ -39,28 +40,92 @@ __global__ void file_by_centre_kernel(BallsView in, BallBuckets buckets, Contact
   buckets.ball[slot] = b;
 }
 
-// `lanes` threads a slot, in cell order, so that a warp's balls share their 27 cells; slots without a ball are idle.
-__global__ void search_27_buckets_kernel(BallBuckets buckets, ContactsView out, int lanes) {
-  BallSearch search(out, lanes);
-  const std::int64_t place = search.place();
-  const std::int64_t c = place / buckets.capacity;
-  const bool has_ball = c < buckets.grid.cells() && place - c * buckets.capacity < buckets.stored(c);
-  std::int32_t i = 0;
-  if (has_ball) {
-    const Ball b = buckets.ball[place];
-    const Grid& g = buckets.grid;
-    i = buckets.number[place];
-    const auto cell = static_cast<std::int32_t>(c);
-    const std::int32_t cx = cell % g.nx, cy = cell / g.nx % g.ny, cz = cell / g.nx / g.ny;
-    for (std::int32_t z = max(cz - 1, 0); z <= min(cz + 1, g.nz - 1); ++z)
-      for (std::int32_t y = max(cy - 1, 0); y <= min(cy + 1, g.ny - 1); ++y)
-        for (std::int32_t x = max(cx - 1, 0); x <= min(cx + 1, g.nx - 1); ++x) {
-          const std::int64_t other = g.cell_number(x, y, z);
-          const std::int64_t first = other * buckets.capacity;
-          search.test(b, i, place, buckets.ball, buckets.number, first, first + buckets.stored(other));
-        }
+constexpr int kTile = 512;  // candidates in shared memory at once
+constexpr int kNeighbours = 27;
+
+// A block's shared memory; behind it the contact stage, or the lengths of the block's rows.
+struct SearchShared {
+  Ball ball[kTile];
+  std::int32_t number[kTile];
+  std::int32_t cell[32];   // the cells about the block's own
+  std::int32_t first[32];  // candidates before each of them; the last entry is their sum
+};
+
+// Pairs staged for each thread of a block; a cell of 2 rmax = 2 cm holds some 35 balls with 3.4 pairs each.
+constexpr int kStagedPairs = 2;
+
+std::size_t shared_bytes(OutputForm form, int threads) {
+  return sizeof(SearchShared) +
+         (form == OutputForm::pairs ? ContactStage::bytes(kStagedPairs * threads) : sizeof(std::int32_t) * threads);
+}
+
+// The 27 cells about c, and how many candidates stand before each; by the block's first warp.
+__device__ void list_neighbours(const BallBuckets& buckets, std::int32_t c, SearchShared& shared) {
+  const Grid& g = buckets.grid;
+  const int k = static_cast<int>(threadIdx.x);
+  const std::int32_t x = c % g.nx + k % 3 - 1, y = c / g.nx % g.ny + k / 3 % 3 - 1, z = c / g.nx / g.ny + k / 9 - 1;
+  const bool exists = k < kNeighbours && x >= 0 && x < g.nx && y >= 0 && y < g.ny && z >= 0 && z < g.nz;
+  shared.cell[k] = exists ? g.cell_number(x, y, z) : 0;
+  const std::int32_t balls = exists ? buckets.stored(shared.cell[k]) : 0;
+  std::int32_t sum = balls;  // of lanes 0 … k
+  for (int step = 1; step < 32; step *= 2) {
+    const std::int32_t before = __shfl_up_sync(kFullWarp, sum, step);
+    if (k >= step) sum += before;
   }
-  search.close(i, has_ball);
+  shared.first[k] = sum - balls;
+}
+
+// Candidates from … from + balls - 1 of all 27 cells, brought to shared memory by the whole block.
+__device__ void load_tile(const BallBuckets& buckets, SearchShared& shared, std::int32_t from, std::int32_t balls) {
+  for (std::int32_t q = static_cast<std::int32_t>(threadIdx.x); q < balls; q += static_cast<std::int32_t>(blockDim.x)) {
+    int k = 0;  // the last cell with no more than from + q candidates before it
+    for (int step = 16; step > 0; step /= 2)
+      if (shared.first[k + step] <= from + q) k += step;
+    const std::int64_t slot = static_cast<std::int64_t>(shared.cell[k]) * buckets.capacity + from + q - shared.first[k];
+    shared.ball[q] = buckets.ball[slot];
+    shared.number[q] = buckets.number[slot];
+  }
+}
+
+// One block a cell. Its threads are dealt to the cell's balls, as many to each as there are, and share the candidates.
+__global__ void search_27_buckets_kernel(BallBuckets buckets, ContactsView out) {
+  const auto c = static_cast<std::int32_t>(blockIdx.x);
+  const std::int32_t t = threadIdx.x, threads = blockDim.x;
+  const std::int32_t homes = buckets.stored(c);
+  if (homes == 0) return;  // the whole block
+
+  SearchShared& shared = *dynamic_shared<SearchShared>();
+  ContactStage stage{};
+  std::int32_t* const row_length = reinterpret_cast<std::int32_t*>(&shared + 1);  // [threads], for ball_lists
+  if (out.form == OutputForm::pairs) stage = ContactStage::open(&shared + 1, kStagedPairs * threads);
+  if (t < 32) list_neighbours(buckets, c, shared);
+  __syncthreads();
+  const std::int32_t candidates = shared.first[kNeighbours];
+
+  for (std::int32_t first = 0; first < homes; first += threads) {
+    const std::int32_t balls = min(homes - first, threads), share = threads / balls;
+    const std::int32_t home = t % balls, part = t / balls;
+    const std::int64_t slot = static_cast<std::int64_t>(c) * buckets.capacity + first + home;
+    const Ball b = buckets.ball[slot];
+    const std::int32_t i = buckets.number[slot];
+    if (out.form == OutputForm::ball_lists) row_length[t] = 0;
+    for (std::int32_t from = 0; from < candidates; from += kTile) {
+      const std::int32_t in_tile = min(candidates - from, kTile);
+      load_tile(buckets, shared, from, in_tile);
+      __syncthreads();
+      for (std::int32_t q = part < share ? part : in_tile; q < in_tile; q += share) {
+        if (!in_contact(b, shared.ball[q]) || shared.number[q] == i) continue;
+        if (out.form == OutputForm::ball_lists)
+          write_slot(out, i, atomicAdd(&row_length[home], 1), shared.number[q]);
+        else if (i < shared.number[q])
+          stage.push(out, i, shared.number[q]);
+      }
+      __syncthreads();
+    }
+    if (out.form == OutputForm::ball_lists && part == 0) out.length[i] = row_length[home];
+    __syncthreads();
+  }
+  if (out.form == OutputForm::pairs) stage.write(out);
 }
 
 class FixedBucket : public Detector {
@@ -73,7 +138,6 @@ class FixedBucket : public Detector {
     params.threads_broad = threads_or("fixed_bucket", params.threads_broad, 256);
     params.threads_narrow = threads_or("fixed_bucket", params.threads_narrow, 128);
     params_ = params;
-    lanes_ = lanes_a_ball(facts.n);
 
     require_memory("fixed_bucket", grid_, workspace_bytes(), "use a larger cell or fewer slots a cell");
     length_ = Buffer<std::int32_t>(grid_.cells(), Place::device, stream);
@@ -87,8 +151,7 @@ class FixedBucket : public Detector {
     const int threads = params_.threads_narrow;
     fill_async(length_, 0, stream);
     launch(stream, {blocks_for(in.n, params_.threads_broad), params_.threads_broad}, file_by_centre_kernel, in, buckets, out);
-    launch(stream, {blocks_for(slots(), threads / lanes_), threads, BallSearch::shared_bytes(out.form, threads, lanes_)},
-           search_27_buckets_kernel, buckets, out, lanes_);
+    launch(stream, {grid_.cells(), threads, shared_bytes(out.form, threads)}, search_27_buckets_kernel, buckets, out);
   }
 
   DetectorReport report(ContactsView out, Stream& stream) override {
@@ -108,7 +171,6 @@ class FixedBucket : public Detector {
 
   DetectorParams params_;
   Grid grid_;
-  int lanes_ = 1;
   Buffer<std::int32_t> length_, number_;
   Buffer<Ball> ball_;
 };

@@ -156,7 +156,7 @@ class MultiCellStaged : public Detector {
     grid_ = make_grid(facts.surfaces, params.cell);
     params.cell_capacity = capacity_or("multi_cell_bucket/staged", params.cell_capacity, facts, grid_, 1, 32);
     params.threads_broad = threads_or("multi_cell_bucket/staged", params.threads_broad, 256);
-    params.threads_narrow = threads_or("multi_cell_bucket/staged", params.threads_narrow, 128);
+    params.threads_narrow = threads_or("multi_cell_bucket/staged", params.threads_narrow, 64);
     params_ = params;
 
     require_memory("multi_cell_bucket/staged", grid_, workspace_bytes(), "use a larger cell or fewer slots a cell");

@@ -59,7 +59,7 @@ class SdkSort : public Detector {
     params.cell = cell_or(params.cell, 2.0 * facts.rmax);
     require_neighbour_cell("sdk_sort", params.cell, facts.rmax);
     params.threads_broad = threads_or("sdk_sort", params.threads_broad, 256);
-    params.threads_narrow = threads_or("sdk_sort", params.threads_narrow, 128);
+    params.threads_narrow = threads_or("sdk_sort", params.threads_narrow, 256);
     return params;
   }
 

@@ -52,7 +52,7 @@ class SortedGrid : public Detector {
   static DetectorParams chosen(const PackingFacts& facts, DetectorParams params) {
     params.cell = cell_or(params.cell, 4 * facts.ravg);
     params.threads_broad = threads_or("sorted_grid", params.threads_broad, 256);
-    params.threads_narrow = threads_or("sorted_grid", params.threads_narrow, 128);
+    params.threads_narrow = threads_or("sorted_grid", params.threads_narrow, 256);
     return params;
   }
 
