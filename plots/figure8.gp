@@ -34,6 +34,6 @@ set format y "%g"
 plot for [i=1:time_count] time_file index i-1 using 1:2 with linespoints lt int(word(time_styles, i)) title columnheader(1)
 
 set title "speed-up (ratio of times; the base is named)"
-if (strlen(missing) > 0) set label 1 missing at graph 0.02,0.96 front font "Helvetica,11.5" textcolor rgb "#555555"
+if (strlen(missing) > 0) set label 1 "Not shown: ".missing at screen 0.985,0.03 right font "Helvetica,11.5" textcolor rgb "#555555"
 plot for [i=1:speedup_count] speedup_file index i-1 using 1:2 with linespoints lt int(word(speedup_styles, i)) title columnheader(1)
 unset multiplot

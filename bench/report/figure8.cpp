@@ -60,7 +60,7 @@ std::string fastest_gpu_detector(const Device& d) {
 std::string short_name(const Device& d) {
   std::string name = d.has_gpu() ? d.gpu : d.cpu;
   for (const std::string word : {"NVIDIA ", "(R)", "(TM)"})
-    if (const auto place = name.find(word); place != std::string::npos) name.erase(place, word.size());
+    for (auto place = name.find(word); place != std::string::npos; place = name.find(word)) name.erase(place, word.size());
   return d.has_gpu() ? name.substr(0, name.find(' ')) : name;
 }
 

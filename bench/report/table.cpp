@@ -51,7 +51,7 @@ std::string latex_line(const std::vector<std::string>& cells) {
 std::string to_markdown(const Table& t) {
   std::string text = fmt::format("**{}**\n\n", t.caption) + markdown_line(t.header);
   text += "|";
-  for (std::size_t k = 0; k < t.header.size(); ++k) text += k == 0 ? "---|" : "---:|";
+  for (std::size_t k = 0; k < t.header.size(); ++k) text += k < t.text_columns ? "---|" : "---:|";
   text += "\n";
   for (const auto& row : t.rows) text += markdown_line(row);
   if (!t.notes.empty()) text += "\n";
@@ -66,9 +66,10 @@ std::string to_csv(const Table& t) {
 }
 
 std::string to_latex(const Table& t) {
-  std::string text = "% " + t.id + "\n\\begin{table}\n\\caption{" + latex_text(t.caption) + "}\n\\begin{tabular}{l" +
-                     std::string(t.header.empty() ? 0 : t.header.size() - 1, 'r') + "}\n\\hline\n" + latex_line(t.header) +
-                     "\\hline\n";
+  std::string columns;
+  for (std::size_t k = 0; k < t.header.size(); ++k) columns += k < t.text_columns ? 'l' : 'r';
+  std::string text = "% " + t.id + "\n\\begin{table}\n\\caption{" + latex_text(t.caption) + "}\n\\begin{tabular}{" + columns +
+                     "}\n\\hline\n" + latex_line(t.header) + "\\hline\n";
   for (const auto& row : t.rows) text += latex_line(row);
   text += "\\hline\n\\end{tabular}\n";
   for (const std::string& note : t.notes) text += "\n\\footnotesize " + latex_text(note) + "\n";

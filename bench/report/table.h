@@ -12,6 +12,7 @@ struct Table {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> notes;
+  std::size_t text_columns = 1;  // the first columns, aligned left; the others hold numbers
 };
 
 std::string to_markdown(const Table& table);

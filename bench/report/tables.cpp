@@ -66,6 +66,7 @@ std::vector<std::string> line(const std::string& first, const std::string& secon
 
 Table device_table(const Device& device, const std::string& id, const std::string& caption) {
   Table t{id + "_" + device.slug + (device.local ? "_local" : ""), caption, {"detector", "quantity"}, {}, {}};
+  t.text_columns = 2;
   for (const std::int64_t n : sizes(device.rows)) t.header.push_back(with_commas(n));
   t.notes.push_back(fmt::format("Detectors without a GPU ran on {}.", host_text(device)));
   return t;
