@@ -1,5 +1,5 @@
-# what: no barrier between the search and writing what it found
-# file: kernels/ball_search.h
+# what: no barrier between loading a tile of candidates and testing them
+# file: kernels/fixed_bucket.cu
 # build: thread
 # detector: fixed_bucket
-/after their last test/,/^  }/s/__syncthreads();//
+/ load_tile(buckets, shared/{n;s/__syncthreads();//}
