@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <sstream>
+#include <string>
 
 #include "datasets/files.h"
 
@@ -49,6 +51,21 @@ void ResultsFile::write(const std::vector<std::string>& names) const {
   write_atomically(path_, text + "\n]\n}\n");
 }
 
+namespace {
+
+// Google Benchmark 1.8 renamed the members that say why a run failed; Debian 12 has 1.7.
+template <class Run>
+std::optional<std::string> error_of(const Run& run) {
+  if constexpr (requires { run.error_occurred; }) {
+    if (run.error_occurred) return run.error_message;
+  } else {
+    if (run.skipped) return run.skip_message;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 bool Reporter::ReportContext(const Context&) {
   file_.set_context(google_json({})["context"]);
   return true;
@@ -60,10 +77,10 @@ void Reporter::ReportRuns(const std::vector<Run>& runs) {
   CaseRecord& record = records_.at(name);
   std::vector<Run> good;
   for (const Run& run : runs) {
-    if (run.error_occurred) {  // one failed repetition fails the case
-      if (run.error_message != kInterruptedMessage) {
-        const auto colon = run.error_message.find(": ");
-        file_.skip(record.identity, run.error_message.substr(0, colon), run.error_message.substr(colon + 2));
+    if (const std::optional<std::string> error = error_of(run)) {  // one failed repetition fails the case
+      if (*error != kInterruptedMessage) {
+        const auto colon = error->find(": ");
+        file_.skip(record.identity, error->substr(0, colon), error->substr(colon + 2));
       }
       return;
     }
