@@ -201,13 +201,13 @@ int contest(const std::string& path, int runs) {
   const auto from_found = [&] { return from_pairs(found.list, facts.n); };
   for (const Ask ask : {Ask::up_to_rmax, Ask::larger_asks}) {
     const auto run = [&, ask](int leaf) { nanoflann_contacts(balls, facts.rmax, leaf, ask, found); };
-    const int leaf = best_of({8, 16, 32, 64}, run);
+    const int leaf = best_of({8, 16, 32, 64, 128}, run);
     const char* how = ask == Ask::up_to_rmax ? "ri + rmax, j > i" : "2 ri, larger asks";
     competitors.push_back({fmt::format("nanoflann ({}, leaf {})", how, leaf), [=] { run(leaf); }, from_found});
   }
   for (const bool by_pointer : {false, true}) {
     const auto run = [&, by_pointer](int cutoff) { cgal_contacts(balls, cutoff, by_pointer, cgal_input, found); };
-    const int cutoff = best_of({10, 50, 100, 200, 400, 800}, run);
+    const int cutoff = best_of({10, 100, 400, 800, 1600, 3200}, run);
     competitors.push_back({fmt::format("CGAL box_self_intersection_d ({}, cutoff {})", by_pointer ? "pointers" : "boxes", cutoff),
                            [=] { run(cutoff); }, from_found});
   }
@@ -217,7 +217,7 @@ int contest(const std::string& path, int runs) {
     competitors.push_back({name, [=, &stream] { d->detector->detect(d->input(), d->output->view(), stream); },
                            [=, &stream] { return d->output->download(stream); }});
   };
-  const int cell = best_of({2, 3, 4, 5, 6, 7, 8, 9}, [&](int factor) {
+  const int cell = best_of({4, 5, 6, 7, 8, 9, 10, 12, 14}, [&](int factor) {
     static int built = 0;
     static Detection d;
     if (built != factor) {

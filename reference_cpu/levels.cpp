@@ -78,8 +78,8 @@ void LevelIndex::build_with(BallsView in) {
   }
 }
 
-template <class Sink>
-void LevelIndex::search_ball(std::int32_t place, Sink& sink) const {
+template <class Queue>
+void LevelIndex::search_ball(std::int32_t place, Queue& queue) const {
   const Ball b = sorted_.ball(place);
   const std::int32_t i = sorted_.id[place];
   const auto own = static_cast<std::size_t>(level_of(levels_, b.r));
@@ -96,7 +96,8 @@ void LevelIndex::search_ball(std::int32_t place, Sink& sink) const {
         // Cells of a row follow each other, and so do their balls. Balls before this one have asked already.
         const std::int32_t* row = &start_[level.first_cell + g.cell_number(box.lo_x, j, k)];
         const std::int32_t first = std::max(row[0], place + 1), last = row[width];
-        for_each_touching(b, sorted_, first, last, [&](std::int64_t at) { sink.add(i, sorted_.id[at]); });
+        for_each_group(b, sorted_, first, last,
+                       [&](std::int64_t at, std::uint32_t mask) { queue.push(i, static_cast<std::int32_t>(at), mask); });
       }
   }
 }
@@ -106,9 +107,11 @@ void LevelIndex::search(const Sink& prototype, Done&& done) const {
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
   {
     Sink sink = prototype;
+    HitQueue<Sink> queue(sorted_, sink);
     // The coarsest level comes first: its balls ask most, and the many quick ones then even out the threads.
 #pragma omp for schedule(dynamic, 256) nowait
-    for (std::int32_t place = 0; place < n_; ++place) search_ball(place, sink);
+    for (std::int32_t place = 0; place < n_; ++place) search_ball(place, queue);
+    queue.drain();
     sink.flush();
 #pragma omp critical(touchstone_levels_done)
     done(sink);

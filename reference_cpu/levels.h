@@ -48,8 +48,8 @@ class LevelIndex {
  private:
   template <bool kShared>
   void build_with(BallsView in);
-  template <class Sink>
-  void search_ball(std::int32_t place, Sink& sink) const;
+  template <class Queue>
+  void search_ball(std::int32_t place, Queue& queue) const;
 
   std::int32_t n_;
   int threads_;

@@ -102,16 +102,26 @@ class SerialMultiCell : public Detector {
     }
   }
 
+  // Bit k is set iff this cell is the judge of the entry that begins on these axes and the entry at + k.
+  std::uint32_t judged_here(std::int32_t begins, std::int64_t at) const {
+    const std::int32_t* other = begins_.data() + at;
+    std::uint32_t mask = 0;
+    for (std::int32_t k = 0; k < kLanes; ++k) mask |= static_cast<std::uint32_t>((begins | other[k]) == kAllAxes) << k;
+    return mask;
+  }
+
   template <class Sink>
   void search(Sink sink) const {
+    HitQueue<Sink> queue(entry_, sink);
     const std::int64_t cells = grid_.cells();
     for (std::int64_t c = 0; c < cells; ++c)
       for (std::int32_t p = start_[c]; p < start_[c + 1]; ++p) {
         const std::int32_t i = entry_.id[p], begins = begins_[p];
-        for_each_touching(entry_.ball(p), entry_, p + 1, start_[c + 1], [&](std::int64_t q) {
-          if ((begins | begins_[q]) == kAllAxes) sink.add(i, entry_.id[q]);
+        for_each_group(entry_.ball(p), entry_, p + 1, start_[c + 1], [&](std::int64_t at, std::uint32_t touching) {
+          queue.push(i, static_cast<std::int32_t>(at), touching & judged_here(begins, at));
         });
       }
+    queue.drain();
     sink.flush();
   }
 

@@ -80,17 +80,46 @@ TEST(InContact, LanesDecideTheSame) {
   }
 }
 
+// Takes contacts as a sink does, and keeps them as they come.
+struct Record {
+  std::vector<std::pair<std::int32_t, std::int32_t>> found;
+  void add(std::int32_t i, std::int32_t j) { found.push_back({i, j}); }
+};
+
 TEST(Lanes, EveryRunIsSearchedAndNoMore) {
   BallColumns columns;
   columns.resize(3 * kLanes);
-  for (int k = 0; k < 3 * kLanes; ++k) columns.set(k, {0, 0, 0, 1}, k);  // all coincide: all touch
+  for (int k = 0; k < 3 * kLanes; ++k) columns.set(k, {0, 0, 0, 1}, 100 + k);  // all coincide: all touch
   for (int first = 0; first <= 2 * kLanes; ++first)
     for (int last = first; last <= 3 * kLanes; ++last) {
-      std::vector<std::int64_t> found;
-      for_each_touching({0, 0, 0, 1}, columns, first, last, [&](std::int64_t at) { found.push_back(at); });
-      ASSERT_EQ(static_cast<int>(found.size()), last - first);
-      for (int k = 0; k < last - first; ++k) ASSERT_EQ(found[k], first + k);
+      Record record;
+      HitQueue<Record> queue(columns, record);
+      for_each_group({0, 0, 0, 1}, columns, first, last,
+                     [&](std::int64_t at, std::uint32_t mask) { queue.push(7, static_cast<std::int32_t>(at), mask); });
+      queue.drain();
+      ASSERT_EQ(static_cast<int>(record.found.size()), last - first);
+      for (int k = 0; k < last - first; ++k) ASSERT_EQ(record.found[k], std::pair(7, 100 + first + k));
     }
+}
+
+TEST(Lanes, QueueHandsOnWhatItWasGivenInOrder) {
+  BallColumns columns;
+  columns.resize(1000);
+  for (int k = 0; k < 1000; ++k) columns.set(k, {0, 0, 0, 1}, 5000 + k);
+  Random random(3);
+  Record record, expected;
+  HitQueue<Record> queue(columns, record);
+  for (int t = 0; t < 5000; ++t) {
+    const int i = random.below(1000), at = random.below(1000);
+    const auto mask = static_cast<std::uint32_t>(random.bits() & random.bits() & random.bits() & 0xFFFF);  // often 0
+    queue.push(i, at, mask);
+    for (int k = 0; k < kLanes; ++k)
+      if (mask >> k & 1) expected.add(i, columns.id[at + k]);
+    if (random.below(700) == 0) queue.drain();
+  }
+  queue.drain();
+  queue.drain();  // an empty queue has nothing to hand on
+  EXPECT_EQ(record.found, expected.found);
 }
 
 TEST(ContactHash, IsTheSplitMix64OfBothNumbers) {
