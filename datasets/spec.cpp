@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -131,7 +132,7 @@ PackingSpec parse_spec(std::string_view text) {
     set_from_json(spec, read_json(path), path);
     return spec;
   }
-  std::string seen = ",";
+  std::vector<std::string> seen;
   while (!text.empty()) {
     const std::size_t comma = std::min(text.find(','), text.size());
     const std::string_view item = text.substr(0, comma);
@@ -139,8 +140,8 @@ PackingSpec parse_spec(std::string_view text) {
     const std::size_t equals = item.find('=');
     if (equals == item.npos) throw InputError(fmt::format("spec: {}: must be key=value", item));
     const std::string key(item.substr(0, equals));
-    if (seen.find("," + key + ",") != seen.npos) throw InputError(fmt::format("spec: {}: given twice", key));
-    seen += key + ",";
+    if (std::find(seen.begin(), seen.end(), key) != seen.end()) throw InputError(fmt::format("spec: {}: given twice", key));
+    seen.push_back(key);
     set_key(spec, key, item.substr(equals + 1));
   }
   judge(spec);

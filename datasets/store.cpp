@@ -12,12 +12,13 @@
 #include "datasets/loose.h"
 #include "datasets/settle.h"
 #include "datasets/validity.h"
-#include "touchstone/contact_list.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
 
 namespace {
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::optional<CachedPacking> read_meta(const std::filesystem::path& path) {
   try {
@@ -59,7 +60,7 @@ std::optional<Packing> load(const PackingSpec& spec, const std::filesystem::path
   if (bytes.size() != static_cast<std::size_t>(spec.n) * sizeof(Ball)) return damaged("has the wrong size");
   Packing packing{name, std::vector<Ball>(static_cast<std::size_t>(spec.n)), spec.seed};
   std::memcpy(packing.balls.data(), bytes.data(), bytes.size());
-  if (hex64(packing_hash(packing.balls)) != meta->hash) return damaged("damaged (its hash differs)");
+  if (hash_text(packing_hash(packing.balls)) != meta->hash) return damaged("damaged (its hash differs)");
   return packing;
 }
 
@@ -92,7 +93,7 @@ Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folde
     meta["settling"] = {{"steps", state.steps}, {"time_s", state.time_s}};
   }
   validate(packing.balls, name);
-  meta["packing_hash"] = hex64(packing_hash(packing.balls));
+  meta["packing_hash"] = hash_text(packing_hash(packing.balls));
   meta["made_in_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   // Bytes first: a .balls without a fitting .json is made anew, never trusted.
   write_atomically(file_of(folder, name, ".balls"), bytes_of(packing));
@@ -120,7 +121,7 @@ std::vector<CachedPacking> list_cached(const std::filesystem::path& folder) {
 std::optional<CachedPacking> cached_meta(const std::filesystem::path& balls_file, std::uint64_t hash) {
   if (balls_file.extension() != ".balls") return std::nullopt;
   std::optional<CachedPacking> cached = read_meta(beside(balls_file, ".json"));
-  if (cached && cached->hash != hex64(hash)) return std::nullopt;
+  if (cached && cached->hash != hash_text(hash)) return std::nullopt;
   return cached;
 }
 
