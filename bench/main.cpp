@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   using namespace touchstone;
   return guarded("touchstone", [&] {
     CLI::App app{"Touchstone: contact detection between spheres, measured and checked", "touchstone"};
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1);
     int exit_code = kExitOk;
 #if defined(TOUCHSTONE_HAVE_PACK_COMMAND)
     add_pack_command(app, exit_code);
@@ -19,6 +19,10 @@ int main(int argc, char** argv) {
     add_plan_command(app, exit_code);
     add_version_command(app);
     if (const int code = parse(app, argc, argv); code >= 0) return code;
+    if (app.get_subcommands().empty()) {
+      fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, report or version (--help)\n");
+      return static_cast<int>(kExitInput);
+    }
     return exit_code;
   });
 }

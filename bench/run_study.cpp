@@ -252,6 +252,7 @@ int StudyRun::run() {
   if (resumed_ > 0)
     fmt::print(stderr, "{} of {} cases were measured before by this very source; --fresh measures them again\n", resumed_,
                order_.size());
+  benchmark::BenchmarkReporter::Context::executable_name = "bench_detect";  // what benchmark::Initialize would set
   if (registered_ > 0) {
     benchmark::RunSpecifiedBenchmarks(&reporter, "all");
   } else {

@@ -126,6 +126,7 @@ TEST(Touchstone, ErrorsAreOneLineWithTheirExitCode) {
       {"detect --spec n=50,c=2,kind=loose --output rows", 2, "--output 'rows': pairs or ball_lists"},
       {"detect --packing /nowhere.csv", 2, "/nowhere.csv"},
       {"nonsense", 2, "nonsense"},
+      {"", 2, "say which"},
   };
   for (const auto& w : wrong) {
     const Outcome o = run_program(std::string(TOUCHSTONE) + " " + w.command);

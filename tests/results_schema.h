@@ -85,7 +85,7 @@ class SchemaCheck {
                   "cell_cm", "threads_broad", "threads_narrow", "launch",      "cache",       "order",   "output",
                   "known",   "contacts",      "contact_hash",   "verified",    "verified_by", "retries", "q1_us",
                   "q3_us",   "sample_count",  "bytes_peak",     "protocol"});
-    require(e["case"].value("verified", false), name, "a time of an unverified contact set");
+    require(e["case"].value("verified", json()) == true, name, "a time of an unverified contact set");
     const std::string run_name = e["run_name"];
     repetition_times_[run_name].push_back(e["real_time"]);
     if (e["repetition_index"] == 0)

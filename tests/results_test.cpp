@@ -141,7 +141,6 @@ TEST_F(Run, SaysInOneLineWhatIsWrong) {
       {"--profile huge", 2, "unknown profile 'huge'"},
       {"--packings '['", 2, "--packings '[' is no regular expression"},
       {"--packings nothing_like_it", 6, "nothing to do"},
-      {"--out /proc/nowhere", 2, "/proc/nowhere"},
       {"--no-such-option", 2, "--no-such-option"},
   };
   for (const auto& w : wrong) {
@@ -150,6 +149,13 @@ TEST_F(Run, SaysInOneLineWhatIsWrong) {
     EXPECT_THAT(o.err, HasSubstr(w.says));
     EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
   }
+}
+
+TEST_F(Run, ProvesTheOutputFolderWritableBeforeMeasuring) {
+  const Outcome o = run_program(std::string(BENCH_DETECT) + " --force --out /proc/nowhere");
+  EXPECT_EQ(o.code, 2);
+  EXPECT_THAT(o.err, HasSubstr("/proc/nowhere: cannot be made"));
+  EXPECT_EQ(o.out, "");
 }
 
 TEST_F(Run, RefusesASecondRunIntoTheSameFolder) {
