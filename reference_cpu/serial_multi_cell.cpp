@@ -16,7 +16,7 @@ namespace touchstone {
 namespace {
 
 // The default cell, in mean radii: best at C = 4 on today's processors (the paper's equation 3 says 2).
-constexpr double kCellAverageRadii = 6;
+constexpr double kCellAverageRadii = 8;
 
 // Which axes a ball's cells begin on at this cell. Both balls of a pair begin at or before the cell on every axis, so
 // it is their judge cell iff on every axis one of them begins here: iff their bits together are kAllAxes.

@@ -1,6 +1,7 @@
 // An oracle that shares nothing with our grids: Boost.Geometry's R-tree gives the candidates, in_contact() decides.
 #pragma once
 
+#define BOOST_ALLOW_DEPRECATED_HEADERS  // Boost 1.74 warns of its own
 #include <boost/geometry.hpp>
 #include <boost/geometry/index/rtree.hpp>
 #include <iterator>
