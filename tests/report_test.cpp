@@ -90,6 +90,7 @@ TEST_F(Report, SpeedUpsNameTheirBaseAndStandBesideItsTime) {
     EXPECT_THAT(text(file), Not(HasSubstr(",,"))) << file << ": a blank cell";
     EXPECT_THAT(text(file), Not(HasSubstr(",\n"))) << file << ": a blank cell";
   }
+  EXPECT_THAT(text("a/table2.csv"), HasSubstr(",\"serial_multi_cell, Test CPU, 16 cores\","));
   EXPECT_THAT(text("a/table2.tex"), HasSubstr("serial\\_multi\\_cell"));
 }
 
