@@ -11,8 +11,8 @@
 namespace touchstone {
 namespace {
 
-constexpr double kCellsRavg[] = {2, 2.5, 3, 3.5, 4, 4.5, 5, 6, 7, 8};
-constexpr double kCellsRmax[] = {1, 1.25, 1.5, 2};  // times the least cell the detector takes
+constexpr double kCellsRavg[] = {2, 2.5, 3, 3.5, 4, 4.5, 5, 6, 7, 8, 10, 12};  // wide enough that no optimum lies at its end
+constexpr double kCellsRmax[] = {1, 1.25, 1.5, 2};                             // times the least cell the detector takes
 constexpr int kThreads[] = {32, 64, 128, 256};
 
 class Search {
