@@ -10,9 +10,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Touchstone: contact detection between spheres, measured and checked", "touchstone"};
     app.require_subcommand(0, 1);
     int exit_code = kExitOk;
-#if defined(TOUCHSTONE_HAVE_PACK_COMMAND)
     add_pack_command(app, exit_code);
-#endif
     add_detect_command(app, exit_code);
     add_list_command(app);
     add_report_command(app, exit_code);

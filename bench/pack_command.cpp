@@ -7,12 +7,15 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bench/interrupt.h"
+#include "datasets/files.h"
 #include "datasets/formats.h"
 #include "datasets/spec.h"
 #include "datasets/store.h"
 #include "datasets/validity.h"
+#include "reference_cpu/count_and_hash.h"
 #include "touchstone/contact_list.h"
 #include "touchstone/error.h"
 
@@ -20,7 +23,8 @@ namespace touchstone {
 namespace {
 
 struct PackOptions {
-  std::string spec, set, check, out, format, folder;
+  std::string spec, check, out, format, folder, record;
+  std::vector<std::string> sets;
   bool list = false;
 };
 
@@ -99,10 +103,24 @@ void check(const std::string& file) {
   }
 }
 
+// What anyone who makes this packing must find: the bytes' hash, and the contacts by the all-core reference.
+nlohmann::json expected_of(const Packing& packing) {
+  const PackingFacts f = facts_of(packing.balls);
+  const CountAndHash found = count_and_hash(packing.balls);
+  return {{"n", f.n},
+          {"packing_hash", hex64(packing_hash(packing.balls))},
+          {"rmin_cm", 100.0 * f.rmin},
+          {"rmax_cm", 100.0 * f.rmax},
+          {"ravg_cm", 100.0 * f.ravg},
+          {"contacts", found.contacts},
+          {"contact_hash", hex64(found.hash)}};
+}
+
 int pack(const PackOptions& o) {
-  const int asked = !o.spec.empty() + !o.set.empty() + !o.check.empty() + o.list;
+  const int asked = !o.spec.empty() + !o.sets.empty() + !o.check.empty() + o.list;
   if (asked != 1) throw InputError("pack: give one of --spec SPEC, --set NAME, --check FILE and --list");
   if (!o.out.empty() && o.spec.empty() && o.check.empty()) throw InputError("pack: --out goes with --spec or --check");
+  if (!o.record.empty() && o.sets.empty()) throw InputError("pack: --record goes with --set");
   if (!o.format.empty() && o.out.empty()) throw InputError("pack: --format goes with --out");
   catch_interrupts();
   const auto write = [&](const Packing& packing) {
@@ -114,8 +132,14 @@ int pack(const PackOptions& o) {
   if (!o.out.empty() && o.format.empty()) packing_format(std::filesystem::path(o.out));  // refused before minutes of work
   if (!o.format.empty()) packing_format(std::string_view(o.format));
   if (!o.spec.empty()) write(make(parse_spec(o.spec), o));
-  if (!o.set.empty())
-    for (const PackingSpec& spec : load_spec_set(set_file(o.set))) make(spec, o);
+  nlohmann::json expected = nlohmann::json::object();
+  for (const std::string& set : o.sets)
+    for (const PackingSpec& spec : load_spec_set(set_file(set))) {
+      const Packing packing = make(spec, o);
+      if (!o.record.empty()) expected[packing.name] = expected_of(packing);
+    }
+  if (!o.record.empty())
+    write_atomically(o.record, nlohmann::json{{"generator_version", kGeneratorVersion}, {"packings", expected}}.dump(2) + "\n");
   if (!o.check.empty()) {
     check(o.check);
     if (!o.out.empty()) write(read_packing(o.check));
@@ -130,7 +154,9 @@ void add_pack_command(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("pack", "make, list, check and export packings");
   command->add_option("--spec", o->spec,
                       "packing to make: key=value pairs (n=20653,c=4,seed=1,base=20x20,mix=table1,kind=settled) or a JSON file");
-  command->add_option("--set", o->set, "make all packings of a set: table2, figure6, or a JSON file");
+  command->add_option("--set", o->sets, "make all packings of these sets: table2, figure6, or a JSON file");
+  command->add_option("--record", o->record,
+                      "write hash, radii and contacts of the sets' packings to this file (results/expected.json)");
   command->add_option("--check", o->check, "read a .balls, .xyz or .csv file, validate it, print its facts");
   command->add_flag("--list", o->list, "list the packings that are cached");
   command->add_option("--out", o->out, "write the packing of --spec or --check to this file");

@@ -118,6 +118,8 @@ double Bed::floor_force() const {
   return sum;
 }
 
+double Bed::worst_overlap() const { return overlaps_of(bodies_, list_, box_).most; }
+
 std::int64_t Bed::unsupported(double tolerance) const {
   std::int64_t count = 0;
   for (const Support& s : supports(bodies_, list_, box_, tolerance)) count += !s.held();

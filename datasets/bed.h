@@ -33,8 +33,12 @@ class Bed {
   // Returns how many there were.
   std::int64_t drop_unsupported(int steps, double dt, Damping damping, double tolerance);
 
+  // Makes every contact `factor` times as stiff; the stable step shrinks with its root.
+  void stiffen(double factor) { modulus_ *= factor; }
+
   double mean_kinetic_energy() const;  // J a ball
   double floor_force() const;          // elastic part, N
+  double worst_overlap() const;        // over the smaller ball's diameter
   std::int64_t unsupported(double tolerance) const;
   const std::vector<Body>& bodies() const { return bodies_; }
   const std::vector<std::int32_t>& id() const { return id_; }

@@ -167,4 +167,25 @@ std::vector<Support> supports(const std::vector<Body>& bodies, const NeighbourLi
   return support;
 }
 
+Overlaps overlaps_of(const std::vector<Body>& bodies, const NeighbourList& list, Container box) {
+  Overlaps overlaps;
+  double sum = 0;
+  std::int64_t contacts = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body& a = bodies[i];
+    const double into_wall = std::max({a.r - a.x, a.x + a.r - box.size_x, a.r - a.y, a.y + a.r - box.size_y, a.r - a.z});
+    overlaps.most = std::max(overlaps.most, into_wall / (2 * a.r));
+    for (std::int32_t p = list.start[i]; p < list.start[i + 1]; ++p) {
+      const Body& b = bodies[list.partner[p]];
+      const double depth = (a.r + b.r - norm({b.x - a.x, b.y - a.y, b.z - a.z})) / (2 * std::min(a.r, b.r));
+      if (depth <= 0) continue;
+      overlaps.most = std::max(overlaps.most, depth);
+      sum += depth;
+      ++contacts;
+    }
+  }
+  if (contacts) overlaps.mean = sum / static_cast<double>(contacts);
+  return overlaps;
+}
+
 }  // namespace touchstone

@@ -58,4 +58,10 @@ struct Support {
 };
 std::vector<Support> supports(const std::vector<Body>& bodies, const NeighbourList& list, Container box, double tolerance);
 
+// How deep balls are pressed into each other, over the smaller one's diameter. Walls count in `most`.
+struct Overlaps {
+  double mean = 0, most = 0;
+};
+Overlaps overlaps_of(const std::vector<Body>& bodies, const NeighbourList& list, Container box);
+
 }  // namespace touchstone

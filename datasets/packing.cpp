@@ -59,7 +59,7 @@ PackingFacts facts_of(std::span<const Ball> balls) {
   double sum = 0;
   for (const Ball& b : balls) {
     grow(facts.centres, b, 0);
-    grow(facts.surfaces, b, pad(b.r));
+    grow(facts.surfaces, b, b.r);
     facts.rmin = std::min(facts.rmin, b.r);
     facts.rmax = std::max(facts.rmax, b.r);
     sum += b.r;

@@ -2,6 +2,8 @@
 // - the start is nearly as dense as the end, so that the fall is short (recipe: 0.60 for every mixture);
 // - stiffness grows with the smaller radius of a pair, so that large balls, which carry the bed's weight in few contacts,
 //   do not overlap more than small ones; the smallest balls still set the time step;
+// - a bed at rest whose deepest overlap is too deep (a small ball between large ones) is made stiffer and rests anew: it
+//   hardly moves, so this costs less than a stiffness that suits the worst contact from the start;
 // - one drag from start to end, and no fixed number of steps: the bed is left when it rests and passes its trial;
 // - when the bed rests, balls that nothing holds yet are dropped alone (Bed::drop_unsupported).
 #include "datasets/settle.h"
@@ -66,14 +68,14 @@ class Ticker {
 };
 
 // Steps with drag until the bed rests and its floor carries it, then lets the last balls down. Returns the steps taken.
-std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, std::int64_t steps_before, Ticker& tick) {
+std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, double time_before, Ticker& tick) {
   constexpr int kBetweenLooks = 50, kMostLooks = 2000, kMostDrops = 10;
   constexpr double kUsualRest = 0.6, kDrop = 0.25;  // s; the latter is some ten times the fall through a small ball's radius
   std::int64_t steps = 0;
   for (int look = 0; look < kMostLooks; ++look) {  // past the last look the checks will say what is wrong
     for (int s = 0; s < kBetweenLooks; ++s) bed.step(plan.dt, {recipe.dashpots, recipe.drag_per_s});
     steps += kBetweenLooks;
-    const double time = static_cast<double>(steps_before + steps) * plan.dt;
+    const double time = time_before + static_cast<double>(steps) * plan.dt;
     tick(0.1 + 0.85 * std::min(1.0, time / kUsualRest), "settling");
     if (bed.mean_kinetic_energy() < recipe.rest * plan.energy_unit() && std::fabs(bed.floor_force() / plan.weight - 1) < 0.005)
       break;
@@ -114,7 +116,7 @@ double expected_solid_fraction(const std::vector<float>& radii) {
 Packing settle(const PackingSpec& spec, SettledState& state, const Progress& progress, const SettleRecipe& recipe) {
   Random radius_stream(spec.seed, 1), centre_stream(spec.seed, 2);
   const std::vector<float> radii = draw_radii(spec, radius_stream);
-  const Plan plan = make_plan(spec, radii, recipe);
+  Plan plan = make_plan(spec, radii, recipe);
   std::vector<std::int32_t> id;
   Ticker tick(progress);
   std::vector<Body> start = scatter_and_grow(radii, plan.box, plan.start_height, kSettleDensity, recipe, centre_stream, id,
@@ -123,12 +125,19 @@ Packing settle(const PackingSpec& spec, SettledState& state, const Progress& pro
 
   state = {};
   for (int round = 0; round < recipe.most_rounds; ++round) {
-    state.steps += come_to_rest(bed, plan, recipe, state.steps, tick);
+    const std::int64_t steps = come_to_rest(bed, plan, recipe, state.time_s, tick);
+    state.steps += steps;
+    state.time_s += static_cast<double>(steps) * plan.dt;
+    if (const double worst = bed.worst_overlap(); worst > recipe.most_overlap) {
+      const double factor = 1.1 * worst / recipe.most_overlap;  // the load stays, so overlaps fall about as stiffness grows
+      bed.stiffen(factor);
+      plan.dt /= sqrt(factor);
+      continue;
+    }
     try_undamped(bed, plan, recipe.undamped_steps, state);
     const std::int64_t unsupported = bed.unsupported(kTouchTolerance * plan.rmin);
     if (state.kinetic_energy < 1e-3 && std::fabs(state.floor_over_weight - 1) < 0.01 && unsupported == 0) break;
   }
-  state.time_s = static_cast<double>(state.steps) * plan.dt;
 
   // Radii and centres were drawn in random order, so ball k of that order is ball k of the packing: numbers at random.
   Packing packing{name_of(spec), std::vector<Ball>(radii.size()), spec.seed};

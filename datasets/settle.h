@@ -11,17 +11,18 @@ namespace touchstone {
 
 // The recipe's numbers (dem_spec 7.3, with the departures told in settle.cpp). Dimensionless unless the name says otherwise.
 struct SettleRecipe {
-  double start_share = 0.95;  // solid fraction at the start over the one expected at the end
-  int growth_sweeps = 150;    // sweeps that push overlaps apart while radii grow from half to full,
-  int sweeps = 250;           // of so many in all
-  double overlap = 0.0025;    // of small balls at half the bed's height, over their diameter: sets the stiffness
-  double dashpots = 0.3;      // share of critical
-  double drag_per_s = 80;     // about critical for a ball that rolls to rest in a cage, and for the bed's slowest wave
-  double step = 0.3;          // time step over sqrt(m/k) of the smallest ball
-  double skin = 0.4;          // of the neighbour list, over rmin
-  double rest = 1e-4;         // mean kinetic energy over m g rmin at which the bed counts as at rest
-  int undamped_steps = 200;   // at the end: neither drag nor dashpots; the bed must stay at rest by itself
-  int most_rounds = 40;       // of coming to rest and being tried, before it is given up
+  double start_share = 0.95;    // solid fraction at the start over the one expected at the end
+  int growth_sweeps = 150;      // sweeps that push overlaps apart while radii grow from half to full,
+  int sweeps = 250;             // of so many in all
+  double overlap = 0.0025;      // of small balls at half the bed's height, over their diameter: sets the stiffness
+  double most_overlap = 0.0495;  // of any contact, over the smaller diameter; 0.05 is the limit of validity
+  double dashpots = 0.3;        // share of critical
+  double drag_per_s = 80;       // about critical for a ball that rolls to rest in a cage, and for the bed's slowest wave
+  double step = 0.3;            // time step over sqrt(m/k) of the smallest ball
+  double skin = 0.4;            // of the neighbour list, over rmin
+  double rest = 1e-4;           // mean kinetic energy over m g rmin at which the bed counts as at rest
+  int undamped_steps = 200;     // at the end: neither drag nor dashpots; the bed must stay at rest by itself
+  int most_rounds = 40;         // of coming to rest and being tried, before it is given up
 };
 
 // What only the simulation knows; the checks that need it are judged when the packing is made.

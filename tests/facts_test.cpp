@@ -28,8 +28,8 @@ TEST(Facts, OfTwoBalls) {
   EXPECT_EQ(facts.cell_factor(), 4);
   EXPECT_EQ(facts.centres.lower[0], -1);
   EXPECT_EQ(facts.centres.upper[2], 5);
-  EXPECT_EQ(facts.surfaces.lower[1], -2 - pad(1));
-  EXPECT_EQ(facts.surfaces.upper[0], 1 + pad(1));
+  EXPECT_EQ(facts.surfaces.lower[1], -3.0f);
+  EXPECT_EQ(facts.surfaces.upper[0], 2.0f);
 }
 
 TEST(Facts, HistogramHoldsEveryBallBelowItsBinsUpperRadius) {

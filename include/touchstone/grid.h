@@ -1,13 +1,13 @@
 // A uniform grid of cubic cells, and how balls are filed in it so that no contact can be missed.
 //
-// Why no pair is lost. For two balls in float contact the real |xi - xj| is below (ri + rj)(1 + 3u + O(u^2)), u = 2^-24:
-// in_contact() rounds a handful of times. Radii are therefore padded by (1 + 8u) before filing, which makes
-//   xi + pad(ri) >= xj - pad(rj)   true in real numbers.
-// fl(x +- pad(r)), then minus the grid's corner, times inv_h, floor and clamp are each monotone functions of that
-// one real number, so the cell intervals of touching balls overlap on every axis, whatever the rounding, the grid's
-// origin, or the sign of the coordinates; and clamping keeps this true for balls outside the grid.
+// Why no pair is lost. Rounding is monotone, so on every axis a float contact means |xi - xj| < ri + rj in real numbers:
+// were it not so, fl(|xi - xj|) >= fl(ri + rj), then their squares, and in_contact() would say no. Hence
+//   xi + ri > xj - rj   in real numbers,
+// and fl(x +- r), then minus the grid's corner, times inv_h, floor and clamp are each monotone functions of that one
+// real number: the cell intervals of touching balls overlap on every axis, whatever the rounding, the grid's origin or
+// the sign of the coordinates; and clamping keeps this true for balls outside the grid.
 // The order matters: (x - x0) +- r rounds x - x0 first and is NOT monotone in x +- r; tests/grid_test.cpp holds a pair
-// that it loses.
+// that it loses. Where two radii are added first (centre filing) their sum may round down, so it is padded.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ struct CellBox {
   std::int32_t lo_x, lo_y, lo_z, hi_x, hi_y, hi_z;
 };
 
-// A radius made larger than any rounding in in_contact() can reach; see the top of this file.
+// A sum of two radii made larger than its rounding could have taken away.
 TOUCHSTONE_HD inline float pad(float r) { return mul(r, 1.0f + 0x1p-21f); }
 
 // Index in 0..n-1 of the cell that holds coordinate v; coordinates outside are clamped to the first or last cell.
@@ -49,7 +49,7 @@ TOUCHSTONE_HD inline std::int32_t cell_coordinate(float v, float origin, float i
   return static_cast<std::int32_t>(clamp(t, 0.0f, static_cast<float>(n - 1)));
 }
 
-// The cells that the box about a centre with half-width `reach` (already padded) overlaps.
+// The cells that the box about a centre with half-width `reach` overlaps.
 TOUCHSTONE_HD inline CellBox cells_within(const Grid& g, const Ball& b, float reach) {
   return {cell_coordinate(sub(b.x, reach), g.x0, g.inv_h, g.nx), cell_coordinate(sub(b.y, reach), g.y0, g.inv_h, g.ny),
           cell_coordinate(sub(b.z, reach), g.z0, g.inv_h, g.nz), cell_coordinate(add(b.x, reach), g.x0, g.inv_h, g.nx),
@@ -58,7 +58,7 @@ TOUCHSTONE_HD inline CellBox cells_within(const Grid& g, const Ball& b, float re
 
 // Multi-cell filing (paper 2.2.2, stage 1): the cells that ball b's bounding box overlaps. Two touching balls
 // share the lower corner of their boxes' intersection, max of the lower bounds on every axis: the judge cell.
-TOUCHSTONE_HD inline CellBox cells_of_ball(const Grid& g, const Ball& b) { return cells_within(g, b, pad(b.r)); }
+TOUCHSTONE_HD inline CellBox cells_of_ball(const Grid& g, const Ball& b) { return cells_within(g, b, b.r); }
 
 // Centre filing: the cells in which the centre of a ball of radius <= rmax may lie if it touches b.
 TOUCHSTONE_HD inline CellBox cells_of_partners(const Grid& g, const Ball& b, float rmax) {
