@@ -61,6 +61,18 @@ TEST(CaseRunner, TakesNineRepetitionsOfAVerifiedDetector) {
   EXPECT_EQ(runner.measurement().flags.front(), "dirty");
 }
 
+// Google Benchmark 1.8 renamed the members that say why a run failed; Debian 12 has 1.7.
+template <class Run>
+void fail(Run& run, const std::string& error) {
+  if constexpr (requires { run.error_occurred; }) {
+    run.error_occurred = !error.empty();
+    run.error_message = error;
+  } else {
+    run.skipped = static_cast<decltype(run.skipped)>(error.empty() ? 0 : 2);  // NotSkipped, SkippedWithError
+    run.skip_message = error;
+  }
+}
+
 benchmark::BenchmarkReporter::Run fake_run(const std::string& name, int repetition, const std::string& error) {
   benchmark::BenchmarkReporter::Run run;
   run.run_name.function_name = name;
@@ -69,8 +81,7 @@ benchmark::BenchmarkReporter::Run fake_run(const std::string& name, int repetiti
   run.repetitions = 9;
   run.repetition_index = repetition;
   run.family_index = run.per_family_instance_index = 0;
-  run.error_occurred = !error.empty();
-  run.error_message = error;
+  fail(run, error);
   return run;
 }
 
