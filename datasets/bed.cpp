@@ -126,4 +126,14 @@ std::int64_t Bed::unsupported(double tolerance) const {
   return count;
 }
 
+std::int64_t Bed::unsupported_once_rounded(double tolerance) const {
+  Bed rounded(*this);
+  for (Body& b : rounded.bodies_) {
+    b.x = static_cast<float>(b.x);
+    b.y = static_cast<float>(b.y);
+    b.z = static_cast<float>(b.z);
+  }
+  return rounded.unsupported(tolerance);
+}
+
 }  // namespace touchstone

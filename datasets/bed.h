@@ -40,6 +40,7 @@ class Bed {
   double floor_force() const;          // elastic part, N
   double worst_overlap() const;        // over the smaller ball's diameter
   std::int64_t unsupported(double tolerance) const;
+  std::int64_t unsupported_once_rounded(double tolerance) const;  // with positions as float32, as the packing will hold them
   const std::vector<Body>& bodies() const { return bodies_; }
   const std::vector<std::int32_t>& id() const { return id_; }
 

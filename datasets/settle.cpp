@@ -67,8 +67,10 @@ class Ticker {
   std::chrono::steady_clock::time_point last_{};
 };
 
-// Steps with drag until the bed rests and its floor carries it, then lets the last balls down. Returns the steps taken.
-std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, double time_before, Ticker& tick) {
+// Steps with drag until the bed rests and its floor carries it, then lets the last balls down, until each touches what holds it
+// within `tolerance` (m). Returns the steps taken.
+std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, double tolerance, double time_before,
+                          Ticker& tick) {
   constexpr int kBetweenLooks = 50, kMostLooks = 2000, kMostDrops = 10;
   constexpr double kUsualRest = 0.6, kDrop = 0.25;  // s; the latter is some ten times the fall through a small ball's radius
   std::int64_t steps = 0;
@@ -80,9 +82,8 @@ std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe
     if (bed.mean_kinetic_energy() < recipe.rest * plan.energy_unit() && std::fabs(bed.floor_force() / plan.weight - 1) < 0.005)
       break;
   }
-  for (int drop = 0; drop < kMostDrops && bed.unsupported(kTouchTolerance * plan.rmin) > 0; ++drop) {
-    bed.drop_unsupported(static_cast<int>(kDrop / plan.dt), plan.dt, {recipe.dashpots, recipe.drag_per_s},
-                         kTouchTolerance * plan.rmin);
+  for (int drop = 0; drop < kMostDrops && bed.unsupported(tolerance) > 0; ++drop) {
+    bed.drop_unsupported(static_cast<int>(kDrop / plan.dt), plan.dt, {recipe.dashpots, recipe.drag_per_s}, tolerance);
     tick(0.97, "letting down the last balls");
   }
   return steps;
@@ -124,8 +125,10 @@ Packing settle(const PackingSpec& spec, SettledState& state, const Progress& pro
   Bed bed(std::move(start), std::move(id), plan.box, plan.modulus, recipe.skin * plan.rmin);
 
   state = {};
+  const double touch = kTouchTolerance * plan.rmin;
+  double tolerance = touch;
   for (int round = 0; round < recipe.most_rounds; ++round) {
-    const std::int64_t steps = come_to_rest(bed, plan, recipe, state.time_s, tick);
+    const std::int64_t steps = come_to_rest(bed, plan, recipe, tolerance, state.time_s, tick);
     state.steps += steps;
     state.time_s += static_cast<double>(steps) * plan.dt;
     if (const double worst = bed.worst_overlap(); worst > recipe.most_overlap) {
@@ -135,8 +138,10 @@ Packing settle(const PackingSpec& spec, SettledState& state, const Progress& pro
       continue;
     }
     try_undamped(bed, plan, recipe.undamped_steps, state);
-    const std::int64_t unsupported = bed.unsupported(kTouchTolerance * plan.rmin);
-    if (state.kinetic_energy < 1e-3 && std::fabs(state.floor_over_weight - 1) < 0.01 && unsupported == 0) break;
+    if (state.kinetic_energy >= 1e-3 || std::fabs(state.floor_over_weight - 1) >= 0.01 || bed.unsupported(tolerance) > 0)
+      continue;
+    if (bed.unsupported_once_rounded(touch) == 0) break;
+    tolerance /= 2;  // float32 is coarse at the top of a high bed: closer, so that rounding cannot part what touches
   }
 
   // Radii and centres were drawn in random order, so ball k of that order is ball k of the packing: numbers at random.
