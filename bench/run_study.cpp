@@ -25,6 +25,15 @@ std::filesystem::path results_path(const RunOptions& options) {
   return options.out.extension() == ".json" ? options.out : options.out / (options.study + ".json");
 }
 
+// Fails a repetition from inside its loop: Google Benchmark 1.7 aborts if the repetitions of a case, failed ones included,
+// have not run equally often.
+void skip(benchmark::State& state, const std::string& error) {
+  for (auto _ : state) {
+    state.SkipWithError(error.c_str());
+    break;
+  }
+}
+
 // Everything a run holds while it runs.
 class StudyRun {
  public:
@@ -183,7 +192,7 @@ void StudyRun::register_case(const Case& c) {
 }
 
 void StudyRun::repetition(benchmark::State& state, const Case& c, CaseRunner& runner) {
-  if (const auto failed = failures_.find(c.name()); failed != failures_.end()) return state.SkipWithError(failed->second.c_str());
+  if (const auto failed = failures_.find(c.name()); failed != failures_.end()) return skip(state, failed->second);
   if (!eta_) eta_ = std::make_unique<Eta>(estimated_);
   ++started_;
   eta_->show(done_, fmt::format("[{}/{}] {}", (started_ - 1) / kRepetitions + 1, registered_, c.name()));
@@ -204,7 +213,7 @@ void StudyRun::repetition(benchmark::State& state, const Case& c, CaseRunner& ru
     error = fmt::format("failed: {}", e.what());
   }
   failures_[c.name()] = error;
-  state.SkipWithError(error.c_str());
+  skip(state, error);
 }
 
 void StudyRun::finish() {
