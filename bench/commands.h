@@ -12,6 +12,7 @@ void add_detect_command(CLI::App& app, int& exit_code);  // detect_command.cpp
 void add_list_command(CLI::App& app);                    // list_command.cpp
 void add_plan_command(CLI::App& app, int& exit_code);
 void add_version_command(CLI::App& app);
-void add_report_command(CLI::App& app, int& exit_code);  // report_command.cpp
+void add_publish_command(CLI::App& app, int& exit_code);  // publish_command.cpp
+void add_report_command(CLI::App& app, int& exit_code);   // report_command.cpp
 
 }  // namespace touchstone

@@ -26,6 +26,28 @@ TEST(Results, EveryCommittedFileKeepsTheSchema) {
   EXPECT_GE(files, 4);  // Tables 1 to 4 as published, at least
 }
 
+// Whoever measured, on whatever machine: the packing's bytes and its contacts are those of expected.json.
+TEST(Results, MeasuredPackingsAreTheExpectedOnes) {
+  const std::filesystem::path results = kSource / "results";
+  const json expected = parse_strictly(file_text(results / "expected.json"))["packings"];
+  int compared = 0;
+  for (const auto& file : std::filesystem::recursive_directory_iterator(results)) {
+    if (file.path().extension() != ".json" || file.path().filename() == "expected.json") continue;
+    const json content = parse_strictly(file_text(file.path()));
+    for (const json& entry : content["benchmarks"]) {
+      const json& c = entry["case"];
+      if (c["provenance"] != "measured") continue;
+      ASSERT_TRUE(expected.contains(c["packing"].get<std::string>())) << file.path() << " " << c["packing"];
+      const json& e = expected[c["packing"].get<std::string>()];
+      ASSERT_EQ(c["packing_hash"], e["packing_hash"]) << file.path() << " " << c["packing"];
+      ASSERT_EQ(c["contacts"], e["contacts"]) << file.path() << " " << c["packing"];
+      ASSERT_EQ(c["contact_hash"], e["contact_hash"]) << file.path() << " " << c["packing"];
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 0);
+}
+
 TEST(Results, PublishedTimesAreThePrintedOnes) {
   for (const std::string table : {"table2", "table4"}) {
     const json file = parse_strictly(file_text(kSource / "results/paper" / (table + ".json")));
