@@ -5,7 +5,7 @@ load folder."/figure8_series.gp"
 time_file = folder."/figure8_time.dat"
 speedup_file = folder."/figure8_speedup.dat"
 
-set terminal svg size 1100,640 font "Helvetica,13" background "white" dashed noenhanced
+set terminal svg size 1100,640 font "DejaVu Sans,13" background "white" dashed noenhanced
 set output folder."/figure8.svg"
 
 # One look a role; the numbers are those of bench/report/figure8.cpp.
@@ -26,14 +26,14 @@ set xrange [2400:180000]
 set xtics ("3,000" 3000, "10,000" 10000, "30,000" 30000, "100,000" 100000)
 set mxtics 1
 set xlabel "number of balls"
-set key at graph 0,-0.21 left top Left reverse maxcols 1 samplen 3 spacing 1.05 font "Helvetica,11.5"
+set key at graph 0,-0.21 left top Left reverse maxcols 1 samplen 3 spacing 1.05 font "DejaVu Sans,11.5"
 set multiplot layout 1,2 margins 0.07,0.985,0.40,0.93 spacing 0.09
 
-set title "time for contact detection (ms)" font "Helvetica,14"
+set title "time for contact detection (ms)" font "DejaVu Sans,14"
 set format y "%g"
 plot for [i=1:time_count] time_file index i-1 using 1:2 with linespoints lt int(word(time_styles, i)) title columnheader(1)
 
 set title "speed-up (ratio of times; the base is named)"
-if (strlen(missing) > 0) set label 1 "Not shown: ".missing at screen 0.985,0.03 right font "Helvetica,11.5" textcolor rgb "#555555"
+if (strlen(missing) > 0) set label 1 "Not shown: ".missing at screen 0.985,0.03 right font "DejaVu Sans,11.5" textcolor rgb "#555555"
 plot for [i=1:speedup_count] speedup_file index i-1 using 1:2 with linespoints lt int(word(speedup_styles, i)) title columnheader(1)
 unset multiplot
