@@ -11,7 +11,7 @@ namespace touchstone::report {
 namespace {
 
 // Numbers that plots/figure8.gp gives colour, dash and marker.
-enum Style { kPaperCpu = 1, kPaperGtx285, kPaperGtx580, kSerialPaper, kSerialBest, kParallel, kGpuPaper, kGpuBest };
+enum Style { kPaperCpu = 1, kPaperGtx285, kPaperGtx580, kSerialPaper, kSerialBest, kParallel, kGpuPaper, kGpuBest, kThisMachine };
 
 Query at(const std::string& detector, const std::string& protocol, const std::string& launch = "stream") {
   return {detector, protocol, launch, "hot", "ball_lists", 0};
@@ -121,13 +121,19 @@ Figure8 figure8(const Published& published, const std::vector<Device>& devices) 
   add(f.speedups, "GTX285 over CPU, published", kPaperGtx285, ratio(cpu, old_gpu));
   add(f.speedups, "GTX580 over CPU, published", kPaperGtx580, ratio(cpu, gpu));
   const auto with_gpu = std::find_if(devices.begin(), devices.end(), [](const Device& d) { return d.has_gpu(); });
-  // One host's CPU series: two would not be told apart. A GPU's own host, if there is one, since its speed-ups rest on it.
+  // One host's CPU series in full: two would not be told apart. A GPU's own host, if there is one, since its speed-ups rest on
+  // it.
   if (with_gpu != devices.end())
     add_cpu(f, *with_gpu);
   else if (!devices.empty())
     add_cpu(f, devices.front());
   for (const Device& d : devices)
     if (d.has_gpu()) add_gpu(f, d);
+  // Whoever measured a CPU here looks for it, and one line of it can be told apart.
+  for (const Device& d : devices)
+    if (d.local && !d.has_gpu() && with_gpu != devices.end())
+      add(f.times, fmt::format("serial levels, this machine ({})", short_name(d)), kThisMachine,
+          points(d, at("serial_levels", "best")));
   if (with_gpu == devices.end()) f.missing.push_back("a GPU of today: not measured");
   if (devices.empty()) f.missing.push_back("a CPU of today: not measured");
   return f;
