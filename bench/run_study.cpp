@@ -249,14 +249,13 @@ int StudyRun::run() {
   load_packings();
   tune_all();
   for (const Case& c : cases_) register_case(c);
+  std::vector<std::string> names = order_;
   for (auto& [name, entries] : journal_->cases_with_prefix(key_prefix()))
     if (std::find(order_.begin(), order_.end(), name) == order_.end()) {
       file_->add(name, entries);
+      names.push_back(name);
       ++kept_;
     }
-  std::vector<std::string> names = order_;
-  for (auto& [name, entries] : journal_->cases_with_prefix(key_prefix()))
-    if (std::find(order_.begin(), order_.end(), name) == order_.end()) names.push_back(name);
   Reporter reporter(*file_, *journal_, records_, names, [this] { finish(); });
   if (resumed_ > 0)
     fmt::print(stderr, "{} of {} cases were measured before by this very source; --fresh measures them again\n", resumed_,
