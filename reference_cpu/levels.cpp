@@ -2,7 +2,7 @@
 
 #include <omp.h>
 
-#include <atomic>
+#include <algorithm>
 #include <stdexcept>
 
 #include "reference_cpu/count_and_hash.h"
@@ -11,6 +11,8 @@
 
 namespace touchstone {
 namespace {
+
+constexpr std::int32_t kPartsAThread = 16;  // parts of the index: enough to even out threads, each still many cells
 
 // Radii fall with the level's number: the finest level that still holds r.
 std::int32_t level_of(const std::vector<Level>& levels, float r) {
@@ -22,59 +24,56 @@ std::int32_t level_of(const std::vector<Level>& levels, float r) {
 }  // namespace
 
 LevelIndex::LevelIndex(const PackingFacts& facts, int threads)
-    : n_(facts.n), threads_(threads), levels_(plan_levels(facts)), cell_(facts.n), rank_(facts.n), sum_(threads + 1) {
+    : n_(facts.n), threads_(threads), levels_(plan_levels(facts)), cell_(facts.n), dealt_(facts.n) {
   sorted_.resize(facts.n);
   start_.resize(levels_.empty() ? 1 : levels_.back().first_cell + levels_.back().grid.cells() + 1);
+  while (parts() > kPartsAThread * threads) ++part_bits_;
+  dealt_by_.resize(static_cast<std::size_t>(parts()) * threads);
+  part_start_.resize(parts() + 1);
 }
 
+std::int32_t LevelIndex::cell_of(const Ball& b) const {
+  const Level& level = levels_[level_of(levels_, b.r)];
+  return level.first_cell + cell_of_centre(level.grid, b);
+}
+
+// The balls are dealt out to parts of the index first, in order; then each part is sorted by one thread. So no two threads
+// write to one cache line, a part's cells stay in the first-level cache, and the index is the same for any number of threads.
 void LevelIndex::build(BallsView in) {
-  if (threads_ == 1)
-    build_with<false>(in);
-  else
-    build_with<true>(in);
+  #pragma omp parallel num_threads(threads_)
+  {
+    const std::int64_t thread = omp_get_thread_num(), team = omp_get_num_threads();
+    const auto begin = static_cast<std::int32_t>(n_ * thread / team), end = static_cast<std::int32_t>(n_ * (thread + 1) / team);
+    std::vector<std::int32_t> next(parts(), 0);  // how many balls each part gets from this thread; then where the next goes
+    for (std::int32_t i = begin; i < end; ++i) ++next[(cell_[i] = cell_of(in.data[i])) >> part_bits_];
+    for (std::int32_t p = 0; p < parts(); ++p) dealt_by_[p * threads_ + thread] = next[p];
+#pragma omp barrier
+    for (std::int32_t p = 0, place = 0; p < parts(); ++p) {
+      for (std::int64_t t = 0; t < team; ++t) {
+        if (t == thread) next[p] = place;
+        place += dealt_by_[p * threads_ + t];
+      }
+      if (thread == 0) part_start_[p + 1] = place;
+    }
+    for (std::int32_t i = begin; i < end; ++i) dealt_[next[cell_[i] >> part_bits_]++] = i;
+#pragma omp barrier
+#pragma omp for schedule(dynamic)
+    for (std::int32_t p = 0; p < parts(); ++p) sort_part(in, p);
+  }
+  start_.back() = n_;
 }
 
-// Counting sort: count the cells' balls, which also ranks each ball in its cell; sum; put each ball in its place.
-template <bool kShared>
-void LevelIndex::build_with(BallsView in) {
-  const auto cells = static_cast<std::int64_t>(start_.size()) - 1;
-#pragma omp parallel num_threads(threads_) if (kShared)
-  {
-#pragma omp for schedule(static)
-    for (std::int64_t c = 0; c <= cells; ++c) start_[c] = 0;
-
-#pragma omp for schedule(static)
-    for (std::int32_t i = 0; i < n_; ++i) {
-      const Ball& b = in.data[i];
-      const Level& level = levels_[level_of(levels_, b.r)];
-      const std::int32_t cell = level.first_cell + cell_of_centre(level.grid, b);
-      cell_[i] = cell;
-      if constexpr (kShared)
-        rank_[i] = std::atomic_ref(start_[cell]).fetch_add(1, std::memory_order_relaxed);
-      else
-        rank_[i] = start_[cell]++;
-    }
-
-    // Each thread sums a stretch of cells, then adds what lies before it.
-    const std::int64_t thread = omp_get_thread_num(), team = omp_get_num_threads();
-    const std::int64_t begin = cells * thread / team, end = cells * (thread + 1) / team;
-    std::int32_t sum = 0;
-    for (std::int64_t c = begin; c < end; ++c) {
-      const std::int32_t count = start_[c];
-      start_[c] = sum;
-      sum += count;
-    }
-    sum_[thread] = sum;
-#pragma omp barrier
-    std::int32_t before = 0;
-    for (std::int64_t t = 0; t < thread; ++t) before += sum_[t];
-    if (before != 0)
-      for (std::int64_t c = begin; c < end; ++c) start_[c] += before;
-    if (thread == team - 1) start_[cells] = n_;
-#pragma omp barrier
-
-#pragma omp for schedule(static)
-    for (std::int32_t i = 0; i < n_; ++i) sorted_.set(start_[cell_[i]] + rank_[i], in.data[i], i);
+// Counting sort of the balls dealt to part p, in order of their numbers within a cell.
+void LevelIndex::sort_part(BallsView in, std::int32_t p) {
+  const std::int64_t first = std::int64_t{p} << part_bits_, last = std::min(cells(), first + (std::int64_t{1} << part_bits_));
+  const std::int32_t begin = part_start_[p], end = part_start_[p + 1];
+  std::fill(start_.begin() + first, start_.begin() + last, 0);
+  for (std::int32_t k = begin; k < end; ++k) ++start_[cell_[dealt_[k]]];
+  std::int32_t place = begin;
+  for (std::int64_t c = first; c < last; ++c) start_[c] = place += start_[c];  // where the cell ends
+  for (std::int32_t k = end; k-- > begin;) {  // from the last ball to the first: each takes its cell's last free place
+    const std::int32_t i = dealt_[k];
+    sorted_.set(--start_[cell_[i]], in.data[i], i);
   }
 }
 
@@ -119,7 +118,8 @@ void LevelIndex::search(const Sink& prototype, Done&& done) const {
 }
 
 std::int64_t LevelIndex::bytes() const {
-  return sorted_.bytes() + static_cast<std::int64_t>((start_.size() + cell_.size() + rank_.size()) * sizeof(std::int32_t));
+  const std::size_t numbers = start_.size() + cell_.size() + dealt_.size() + dealt_by_.size() + part_start_.size();
+  return sorted_.bytes() + static_cast<std::int64_t>(numbers * sizeof(std::int32_t));
 }
 
 CountAndHash count_and_hash(std::span<const Ball> balls) {

@@ -46,18 +46,23 @@ class LevelIndex {
   std::int64_t bytes() const;
 
  private:
-  template <bool kShared>
-  void build_with(BallsView in);
+  std::int64_t cells() const { return static_cast<std::int64_t>(start_.size()) - 1; }
+  std::int32_t parts() const { return static_cast<std::int32_t>((cells() >> part_bits_) + 1); }
+  std::int32_t cell_of(const Ball& b) const;
+  void sort_part(BallsView in, std::int32_t part);
   template <class Queue>
   void search_ball(std::int32_t place, Queue& queue) const;
 
   std::int32_t n_;
   int threads_;
+  int part_bits_ = 0;  // 2^part_bits_ cells are a part of the index
   std::vector<Level> levels_;
   BallColumns sorted_;
-  std::vector<std::int32_t> start_;        // [cells of all levels + 1] first place of a cell
-  std::vector<std::int32_t> cell_, rank_;  // [n] of each ball, in the packing's numbering
-  std::vector<std::int64_t> sum_;          // [threads] for the prefix sum
+  std::vector<std::int32_t> start_;       // [cells of all levels + 1] first place of a cell
+  std::vector<std::int32_t> cell_;        // [n] of each ball, in the packing's numbering
+  std::vector<std::int32_t> dealt_;       // [n] the balls' numbers, part after part
+  std::vector<std::int32_t> dealt_by_;    // [parts * threads] how many balls of a part a thread deals out
+  std::vector<std::int32_t> part_start_;  // [parts + 1] in dealt_
 };
 
 }  // namespace touchstone
