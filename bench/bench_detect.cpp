@@ -12,7 +12,9 @@ int main(int argc, char** argv) {
     RunOptions options;
     bool list = false, show_plan = false, resume = true;
     CLI::App app{"Times contact detectors: each contact set is compared with the reference before any time is taken."};
-    app.add_option("--study", options.study, "which study (table2)")->capture_default_str();
+    std::string names;
+    for (const StudyInfo& s : studies()) names += (names.empty() ? "" : ", ") + std::string(s.name);
+    app.add_option("--study", options.study, "which study: " + names)->capture_default_str();
     app.add_option("--profile", options.profile_name, "default: sizes to 20,653; full: all")->capture_default_str();
     app.add_option("--detectors", options.selection.detectors, "regular expression, searched in detector labels");
     app.add_option("--packings", options.selection.packings, "regular expression, searched in packing names");

@@ -15,6 +15,27 @@ constexpr int kPaperThreadsBroad = 256, kPaperThreadsNarrow = 128;  // Figure 9
 
 double round_cm(double metres) { return std::round(metres * 1e8) / 1e6; }
 
+// Of the box that holds all balls, to three decimals: V in (V/N)^(1/3).
+double volume_cm3(const PackingFacts& facts) {
+  double volume = 1e6;
+  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(facts.surfaces.upper[axis]) - facts.surfaces.lower[axis];
+  return std::round(1e3 * volume) / 1e3;
+}
+
+Json kernels_json(const std::vector<KernelFacts>& kernels) {
+  Json list = Json::array();
+  for (const KernelFacts& k : kernels)
+    list.push_back({{"name", k.name},
+                    {"phase", k.phase},
+                    {"threads", k.threads},
+                    {"static_shared_bytes", k.static_shared_bytes},
+                    {"dynamic_shared_bytes", k.dynamic_shared_bytes},
+                    {"registers", k.registers},
+                    {"blocks_an_sm", k.blocks_an_sm},
+                    {"occupancy", k.occupancy}});
+  return list;
+}
+
 Json or_null(int value) { return value > 0 ? Json(value) : Json(nullptr); }
 
 }  // namespace
@@ -25,15 +46,23 @@ std::string_view to_string(Protocol protocol) {
       return "paper";
     case Protocol::best:
       return "best";
-    default:
+    case Protocol::rule:
       return "rule";
+    default:
+      return "given";
   }
 }
+std::string_view to_string(Knowledge knowledge) { return knowledge == Knowledge::blind ? "blind" : "known"; }
 
 std::string Case::name() const {
   std::string name =
       fmt::format("{}/{}/{}/{}/{}", study, to_string(protocol), detector->label(), name_of(packing), to_string(output));
   if (on_gpu(*detector)) name += fmt::format("/{}/{}", to_string(launch), to_string(cache));
+  if (given.cell > 0) name += fmt::format("/cell_{:g}cm", round_cm(given.cell));
+  if (given.threads_broad > 0) name += fmt::format("/{}x{}", given.threads_broad, given.threads_narrow);
+  if (order != Order::shuffled) name += fmt::format("/{}", to_string(order));
+  if (knowledge != Knowledge::known) name += fmt::format("/{}", to_string(knowledge));
+  if (then == Then::force) name += "/force";
   return name;
 }
 
@@ -45,18 +74,20 @@ DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning&
   const DetectorInfo& info = *c.detector;
   const double least = info.least_cell_rmax * facts.rmax;
   DetectorParams p;
+  p.cell_capacity = c.given.cell_capacity;
   if (c.protocol == Protocol::best) {
-    if (info.free_cell) p.cell = cell_of(tuning, facts);
+    if (info.free_cell) p.cell = std::max(cell_of(tuning, facts), least);
     p.threads_broad = tuning.threads_broad;
     p.threads_narrow = tuning.threads_narrow;
     return p;
   }
-  if (info.free_cell) {
+  if (c.protocol == Protocol::given) p = c.given;
+  if (info.free_cell && p.cell == 0) {
     const double rule = (on_gpu(info) ? 4 : 2) * facts.ravg;
     p.cell = std::max(c.protocol == Protocol::paper ? kPaperCell : rule, least);
   }
-  if (info.threads_broad) p.threads_broad = kPaperThreadsBroad;
-  if (info.threads_narrow) p.threads_narrow = kPaperThreadsNarrow;
+  if (info.threads_broad && p.threads_broad == 0) p.threads_broad = kPaperThreadsBroad;
+  if (info.threads_narrow && p.threads_narrow == 0) p.threads_narrow = kPaperThreadsNarrow;
   return p;
 }
 
@@ -68,10 +99,15 @@ Json identity_json(const Case& c, const Packing& packing, const PackingFacts& fa
   j["protocol"] = to_string(c.protocol);
   j["detector"] = info.name;
   j["layout"] = info.layout.empty() ? Json(nullptr) : Json(info.layout);
+  j["ablation"] = info.ablation.empty() ? Json(nullptr) : Json(info.ablation);
   j["place"] = gpu ? "gpu" : "cpu";
   j["packing"] = packing.name;
   j["packing_hash"] = hex64(packing_hash(packing.balls));
   j["seed"] = packing.seed;
+  j["kind"] = to_string(c.packing.kind);
+  j["mix"] = to_string(c.packing.mix);
+  j["base_cm"] = {round_cm(c.packing.base_x), round_cm(c.packing.base_y)};  // [0, 0]: a cube
+  j["volume_cm3"] = volume_cm3(facts);
   j["n"] = facts.n;
   j["cell_factor"] = c.packing.cell_factor;
   j["rmin_cm"] = round_cm(facts.rmin);
@@ -79,8 +115,10 @@ Json identity_json(const Case& c, const Packing& packing, const PackingFacts& fa
   j["ravg_cm"] = round_cm(facts.ravg);
   j["launch"] = gpu ? Json(to_string(c.launch)) : Json(nullptr);
   j["cache"] = to_string(c.cache);
-  j["order"] = "shuffled";  // the packing's own numbering
+  j["order"] = to_string(c.order);
   j["output"] = to_string(c.output);
+  j["knowledge"] = to_string(c.knowledge);
+  j["then"] = c.then == Then::force ? Json("force") : Json(nullptr);
   j["known"] = info.known;
   j["tuned_on"] = c.protocol == Protocol::best && !tuning.tuned_on.empty() ? Json(tuning.tuned_on) : Json(nullptr);
   return j;
@@ -93,6 +131,8 @@ Json case_json(const Case& c, const Packing& packing, const PackingFacts& facts,
   j["threads_broad"] = or_null(m.params.threads_broad);
   j["threads_narrow"] = or_null(m.params.threads_narrow);
   j["cell_capacity"] = or_null(m.params.cell_capacity);
+  j["cells"] = m.report.cells > 0 ? Json(m.report.cells) : Json(nullptr);
+  j["fullest_cell"] = m.report.cell.capacity > 0 ? Json(m.report.cell.count) : Json(nullptr);
   j["contacts"] = m.report.contacts;
   j["contact_hash"] = hex64(m.contact_hash);
   j["verified"] = true;  // a mismatch never comes this far
@@ -103,6 +143,11 @@ Json case_json(const Case& c, const Packing& packing, const PackingFacts& facts,
   j["q3_us"] = q.q3;
   j["sample_count"] = m.samples_us.size();
   j["bytes_peak"] = m.bytes_peak;
+  if (!m.kernels.empty()) j["kernels"] = kernels_json(m.kernels);
+  if (!m.phases_us.empty()) {
+    j["phases_us"] = Json::object();
+    for (const auto& [phase, us] : m.phases_us) j["phases_us"][phase] = us;
+  }
   j["provenance"] = "measured";
   j["flags"] = m.flags;
   return j;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/order.h"
 #include "bench/timing.h"
 #include "datasets/spec.h"
 #include "touchstone/detector.h"
@@ -17,9 +18,21 @@ using Json = nlohmann::ordered_json;
 enum class Protocol {
   paper,  // the paper's: cell 1 cm (or the least the detector takes), threads 256 and 128
   best,   // the detector's best cell and threads, tuned on another seed
-  rule    // the paper's equations: cell 2 ravg on the CPU (eq. 3), 4 ravg on the GPU (eq. 4); threads as in `paper`
+  rule,   // the paper's equations: cell 2 ravg on the CPU (eq. 3), 4 ravg on the GPU (eq. 4); threads as in `paper`
+  given   // cell and threads are an axis of the study: Case::given, with threads as in `paper` where they are zero
 };
 std::string_view to_string(Protocol protocol);
+
+enum class Knowledge {
+  known,  // construction, with all it uses of the packing's facts, is outside the timed region
+  blind   // inside: facts found on the balls where they lie, detector built, contacts detected, overflow looked for and mended
+};
+std::string_view to_string(Knowledge knowledge);
+
+enum class Then {
+  nothing,
+  force  // one pass over the list that adds a linear spring's forces: reference_cpu/force_pass.h
+};
 
 // The tuner's answer: a cell as a multiple of ravg or rmax, so that it carries over to packings of other sizes.
 struct Tuning {
@@ -36,8 +49,15 @@ struct Case {
   OutputForm output = OutputForm::ball_lists;
   Launch launch = Launch::stream;
   Cache cache = Cache::hot;
+  Order order = Order::shuffled;
+  Knowledge knowledge = Knowledge::known;
+  Then then = Then::nothing;
+  DetectorParams given = {};  // Protocol::given
+  bool phases = false;        // record phase times too (GPU, stream)
+  double budget_s = 0;        // most time for the samples; 0: the profile's
 
-  // "table2/best/multi_cell_bucket/staged/c4_n2969/ball_lists/graph/hot"; CPU cases end after the output.
+  // "table2/best/multi_cell_bucket/staged/c4_n2969/ball_lists/graph/hot"; CPU cases end after the output. Axes that are
+  // not at their default follow: "…/cell_0.75cm/64x128/sorted/blind/force".
   std::string name() const;
 };
 
@@ -56,6 +76,8 @@ struct Measurement {
   int retries = 0;
   std::int64_t bytes_peak = 0;
   std::vector<double> samples_us;
+  std::vector<KernelFacts> kernels;
+  std::vector<std::pair<std::string, double>> phases_us;  // medians, in order
   std::vector<std::string> flags;
 };
 

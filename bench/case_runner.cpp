@@ -2,43 +2,103 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
+#include "reference_cpu/force_pass.h"
+#if defined(TOUCHSTONE_HAVE_CUDA)
+#include "kernels/device_facts.h"
+#include "kernels/force_pass.h"
+#endif
 
 namespace touchstone {
 
-constexpr double kNoisy = 0.05;   // (q3 - q1) / median above this is flagged
-constexpr double kWarmUpMs = 10;  // lets a GPU's clocks rise
+constexpr double kNoisy = 0.05;     // (q3 - q1) / median above this is flagged
+constexpr double kWarmUpMs = 10;    // lets a GPU's clocks rise
+constexpr int kPhaseSamples = 101;  // of phase times, taken after the case's own samples
+
+namespace {
+
+// Kernels exist only where nvcc does; without it no row asks for them.
+#if defined(TOUCHSTONE_HAVE_CUDA)
+PackingFacts facts_where_they_lie(BallsView in, Place place, Stream& stream) {
+  return place == Place::device ? facts_on_device(in, stream) : facts_of({in.data, static_cast<std::size_t>(in.n)});
+}
+void add_forces_where_they_lie(BallsView in, const ContactsView& list, Force* force, Place place, Stream& stream) {
+  place == Place::device ? add_forces(in, list, force, stream) : add_forces_on_host(in, list, force);
+}
+#else
+PackingFacts facts_where_they_lie(BallsView in, Place, Stream&) { return facts_of({in.data, static_cast<std::size_t>(in.n)}); }
+void add_forces_where_they_lie(BallsView in, const ContactsView& list, Force* force, Place, Stream&) {
+  add_forces_on_host(in, list, force);
+}
+#endif
+
+}  // namespace
 
 struct CaseRunner::Resident {
   explicit Resident(Place place) : stream(place) {}
   Stream stream;
   Detection detection;
+  Buffer<Force> force;
+  std::function<void()> work;
   std::unique_ptr<Sampler> sampler;
 };
 
-CaseRunner::CaseRunner(const Case& c, DetectorParams params, PackingContext& context, Profile profile,
+CaseRunner::CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile,
                        std::vector<std::string> flags)
-    : case_(c), params_(params), context_(context), profile_(profile) {
+    : case_(c), tuning_(tuning), context_(context), profile_(profile) {
   measurement_.flags = std::move(flags);
 }
 CaseRunner::~CaseRunner() = default;
+
+std::string CaseRunner::mismatch_now() {
+  const Detection& d = resident_->detection;
+  const OrderedBalls& ordered = context_.ordered(case_.order);
+  if (case_.detector->finds == Finds::contacts) return mismatch(d, context_.reference(), resident_->stream, ordered.number);
+  return count_mismatch(d, context_.reference(), case_.detector->finds, context_.packing.balls, context_.facts,
+                        d.detector->params().cell);
+}
 
 void CaseRunner::prepare() {
   const DetectorInfo& info = *case_.detector;
   const Reference& reference = context_.reference();
   resident_ = std::make_unique<Resident>(info.place);
   Resident& r = *resident_;
-  r.detection = detect_completely(info, context_.packing.balls, context_.facts, params_, case_.output, r.stream);
-  if (const std::string difference = mismatch(r.detection, reference, r.stream); !difference.empty()) throw Mismatch(difference);
+  r.detection = detect_completely(info, context_.ordered(case_.order).balls, context_.facts,
+                                  params_of(case_, context_.facts, tuning_), case_.output, r.stream);
+  if (const std::string difference = mismatch_now(); !difference.empty()) throw Mismatch(difference);
   measurement_.params = r.detection.detector->params();
   measurement_.report = r.detection.report;
   measurement_.contact_hash = reference.hash;
-  measurement_.verified_by = reference.by;
+  measurement_.verified_by = info.finds == Finds::contacts ? reference.by : "count";
   measurement_.retries = r.detection.retries;
   measurement_.bytes_peak = r.detection.bytes();
-  r.sampler = std::make_unique<Sampler>(r.detection, info.place, case_.launch, case_.cache, r.stream);
-  samples_ = samples_per_repetition(info, profile_, r.sampler->warm_up_us(on_gpu(info) ? kWarmUpMs : 0));
+  measurement_.kernels = r.detection.detector->kernels(case_.output);
+
+  Detection& d = r.detection;
+  if (case_.knowledge == Knowledge::blind) {
+    r.work = [this, &r, &d, &info] {
+      const PackingFacts facts = facts_where_they_lie(d.input(), info.place, r.stream);
+      d.detector.reset();
+      d.retries = 0;
+      complete_detection(d, info, facts, params_of(case_, facts, tuning_), case_.output, r.stream, d.output->capacity());
+    };
+  } else {
+    r.work = [&r, &d] { d.detector->detect(d.input(), d.output->view(), r.stream); };
+  }
+  if (case_.then == Then::force) {
+    r.force = Buffer<Force>(context_.facts.n, info.place, r.stream);
+    r.work = [detect = r.work, &r, &d, &info] {
+      detect();
+      add_forces_where_they_lie(d.input(), d.output->view(), r.force.data(), info.place, r.stream);
+    };
+  }
+  // A blind sample synchronises within itself: the host's clock takes it.
+  const Place clock = case_.knowledge == Knowledge::blind ? Place::host : info.place;
+  r.sampler = std::make_unique<Sampler>(r.work, clock, case_.launch, case_.cache, r.stream);
+  samples_ = samples_per_repetition(case_, profile_, r.sampler->warm_up_us(on_gpu(info) ? kWarmUpMs : 0));
 }
 
 double CaseRunner::repetition_us() {
@@ -46,7 +106,7 @@ double CaseRunner::repetition_us() {
   std::vector<double> samples;
   for (int k = 0; k < samples_; ++k) {
     stop_if_interrupted();
-    samples.push_back(resident_->sampler->sample_us());
+    samples.push_back(std::round(1e3 * resident_->sampler->sample_us()) / 1e3);  // whole nanoseconds: no clock here gives less
   }
   measurement_.samples_us.insert(measurement_.samples_us.end(), samples.begin(), samples.end());
   if (++repetitions_ == kRepetitions) finish();
@@ -57,8 +117,10 @@ void CaseRunner::finish() {
   // The timed runs must have done the work that was verified: what the last one wrote is compared again.
   Detection& d = resident_->detection;
   d.report = d.detector->report(d.output->view(), resident_->stream);
-  const std::string difference = d.report.complete() ? mismatch(d, context_.reference(), resident_->stream) : d.report.text();
+  const std::string difference = d.report.complete() ? mismatch_now() : d.report.text();
   if (!difference.empty()) throw Mismatch("after timing: " + difference);
+  if (case_.phases && on_gpu(*case_.detector))
+    measurement_.phases_us = phase_times_us(resident_->work, resident_->stream, kPhaseSamples);
   const Quartiles q = quartiles(measurement_.samples_us);
   if ((q.q3 - q.q1) > kNoisy * q.median) measurement_.flags.push_back("noise");
   if (samples_ < kSamplesPerRepetition) measurement_.flags.push_back("few_samples");

@@ -10,7 +10,7 @@
 
 namespace touchstone {
 
-// A packing with what every case on it shares; the reference is made when first asked for.
+// A packing with what every case on it shares; the reference and other orders are made when first asked for.
 class PackingContext {
  public:
   explicit PackingContext(Packing p) : packing(std::move(p)), facts(facts_of(packing.balls)) {}
@@ -18,11 +18,17 @@ class PackingContext {
     if (!reference_) reference_ = std::make_unique<Reference>(make_reference(packing.balls, facts));
     return *reference_;
   }
+  const OrderedBalls& ordered(Order order) {
+    const auto [at, fresh] = orders_.try_emplace(order);
+    if (fresh) at->second = in_order(packing.balls, facts, order);
+    return at->second;
+  }
   Packing packing;
   PackingFacts facts;
 
  private:
   std::unique_ptr<Reference> reference_;
+  std::map<Order, OrderedBalls> orders_;
 };
 
 // A contact set that differs from the reference: no time is taken.
@@ -32,8 +38,8 @@ struct Mismatch : std::runtime_error {
 
 class CaseRunner {
  public:
-  // `flags` are the run's; the case adds its own.
-  CaseRunner(const Case& c, DetectorParams params, PackingContext& context, Profile profile, std::vector<std::string> flags);
+  // `tuning` is used by Protocol::best; `flags` are the run's, the case adds its own.
+  CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile, std::vector<std::string> flags);
   ~CaseRunner();
 
   // Takes one repetition and returns the median of its samples, us. The first call uploads, detects, verifies and warms up;
@@ -46,9 +52,10 @@ class CaseRunner {
  private:
   void prepare();
   void finish();
+  std::string mismatch_now();
   struct Resident;  // detector, buffers, sampler
   Case case_;
-  DetectorParams params_;
+  Tuning tuning_;
   PackingContext& context_;
   Profile profile_;
   Measurement measurement_;

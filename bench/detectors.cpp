@@ -69,6 +69,15 @@ std::vector<const DetectorInfo*> all_detectors() {
   return all;
 }
 
+std::vector<const DetectorInfo*> all_ablations() {
+  std::vector<const DetectorInfo*> all;
+#if defined(TOUCHSTONE_HAVE_CUDA)
+  if (gpu_usable())
+    for (const DetectorInfo& info : gpu_ablations()) all.push_back(&info);
+#endif
+  return all;
+}
+
 const DetectorInfo& find_detector(std::string_view label) {
   std::vector<const DetectorInfo*> same_name;
   for (const DetectorInfo* info : all_detectors()) {

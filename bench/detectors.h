@@ -18,6 +18,9 @@ std::string why_no_gpu();
 // The rows of cpu_detectors() and, if gpu_usable(), of gpu_detectors(). The double of the kernels is never among them.
 std::vector<const DetectorInfo*> all_detectors();
 
+// Rows of gpu_ablations(), if gpu_usable(): for the study that asks for them only.
+std::vector<const DetectorInfo*> all_ablations();
+
 // The row with this label ("multi_cell_bucket/paper"; a name without layout does if only one row has it).
 // Throws InputError: unknown, with the nearest labels; or a name with several layouts, with these.
 const DetectorInfo& find_detector(std::string_view label);

@@ -12,16 +12,17 @@
 
 namespace touchstone {
 
-Journal::Journal(std::filesystem::path path, bool fresh) : path_(std::move(path)) {
+Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {
   std::size_t good = 0;  // bytes of whole, readable lines
-  if (!fresh && std::filesystem::exists(path_)) {
+  if (std::filesystem::exists(path_)) {
     const std::string text = read_whole(path_);
     for (std::size_t begin = 0, number = 1; begin < text.size(); ++number) {
       const std::size_t end = text.find('\n', begin);
       const bool last = end == std::string::npos || end + 1 == text.size();
       Json line = Json::parse(text.substr(begin, end == std::string::npos ? end : end - begin), nullptr, false);
       if (end == std::string::npos || line.is_discarded() || !line.contains("key")) {
-        if (!last) throw InputError(fmt::format("{}:{}: not a journal line; --fresh starts anew", path_.string(), number));
+        if (!last)
+          throw InputError(fmt::format("{}:{}: not a journal line; move the file away to start anew", path_.string(), number));
         fmt::print(stderr, "{}:{}: torn last line dropped; its case is measured again\n", path_.string(), number);
         break;
       }

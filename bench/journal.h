@@ -15,8 +15,8 @@ namespace touchstone {
 class Journal {
  public:
   // Reads what is there. A torn last line (a run was killed while writing) is dropped and said on stderr; a bad line before
-  // the end means the file is no journal: InputError. `fresh` forgets the old lines.
-  Journal(std::filesystem::path path, bool fresh);
+  // the end means the file is no journal: InputError.
+  explicit Journal(std::filesystem::path path);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;

@@ -14,10 +14,7 @@
 
 namespace touchstone {
 
-std::vector<Case> plan(const RunOptions& options) {
-  if (options.study != "table2") throw InputError(fmt::format("unknown study '{}': table2", options.study));
-  return plan_table2(load_spec_set(source_folder() / "datasets/specs/table2.json"), options.selection);
-}
+std::vector<Case> plan(const RunOptions& options) { return plan_study(options.study, options.selection); }
 
 int print_list(const RunOptions& options) {
   const std::vector<Case> cases = plan(options);
@@ -46,10 +43,9 @@ int print_plan(const RunOptions& options) {
     count_packing(c.packing);
     measuring += estimated_seconds(c, options.selection.profile);
   }
-  if (std::any_of(cases.begin(), cases.end(),
-                  [](const Case& c) { return c.protocol == Protocol::best && tunable(*c.detector); })) {
-    count_packing(tuning_spec(cases.front().packing, options.selection.profile, options.tuning_n));
-  }
+  for (const Case& c : cases)
+    if (c.protocol == Protocol::best && tunable(*c.detector))
+      count_packing(tuning_spec(c.packing, options.selection.profile, options.tuning_n));
   fmt::print("measure  {} cases on {} packings, about {} (what the journal holds already is not counted off)\n", cases.size(),
              packings.size(), duration_text(measuring));
   fmt::print("pack     about {} on two cores\n", duration_text(packing_time));

@@ -3,18 +3,18 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <omp.h>
 #include <algorithm>
+#include <functional>
+#include <set>
 
 #include "bench/build_paths.h"
-#include "bench/case_runner.h"
 #include "bench/detectors.h"
-#include "bench/eta.h"
 #include "bench/interrupt.h"
 #include "bench/machine.h"
 #include "bench/output_folder.h"
+#include "bench/provision.h"
 #include "bench/reporter.h"
-#include "bench/tuner.h"
-#include "datasets/store.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
@@ -34,40 +34,45 @@ void skip(benchmark::State& state, const std::string& error) {
   }
 }
 
-// Everything a run holds while it runs.
+// One word for what makes two runs' times the same kind of thing: a line of the journal is used again only under the same one.
+std::string run_key(const Json& build, const Json& host, const Json& device) {
+  Json same = {{"build", build}, {"cpu", host["cpu"]}, {"threads", host["openmp_threads"]}};
+  if (device.is_object()) same["driver"] = device["driver"];
+  return fmt::format("{}|{}|{:016x}|", source_key(), machine_slug(), std::hash<std::string>{}(same.dump()));
+}
+
+// A run: its cases provided for, registered with Google Benchmark, timed, and written down.
 class StudyRun {
  public:
   StudyRun(const RunOptions& options, std::vector<Case> cases);
   int run();
 
  private:
-  void refuse_if_tainted();
-  void load_packings();
-  void load_packing(const PackingSpec& spec, double done, double all);
-  void tune_all();
   void register_case(const Case& c);
+  bool resume(const Case& c, const CaseRecord& record);
   void repetition(benchmark::State& state, const Case& c, CaseRunner& runner);
+  void keep_other_selections(std::vector<std::string>& names);
+  void taints_of_earlier_runs();
   void finish();
   int exit_code() const;
-  std::string key_prefix() const { return source_key() + "|" + machine_slug() + "|" + host_["cpu"].get<std::string>() + "|"; }
-  static std::string tuning_name(const Case& c) { return c.detector->label() + "/" + std::string(to_string(c.output)); }
 
   const RunOptions& options_;
   std::vector<Case> cases_;
   std::filesystem::path path_;
   Json source_, build_, host_, device_;
+  std::string key_;
   std::vector<std::string> flags_, why_not_;
-  std::map<std::string, std::unique_ptr<PackingContext>> packings_;
-  std::map<std::string, Tuning> tunings_;
   std::map<std::string, CaseRecord> records_;
   std::map<std::string, std::unique_ptr<CaseRunner>> runners_;
   std::map<std::string, std::string> failures_;
   std::vector<std::string> order_;
+  std::set<std::string> earlier_runs_;  // whose lines of the journal are used
   std::unique_ptr<FolderLock> lock_;
   std::unique_ptr<Journal> journal_;
   std::unique_ptr<ResultsFile> file_;
+  std::unique_ptr<Provision> provision_;
   std::unique_ptr<Eta> eta_;
-  double estimated_ = 0, done_ = 0;
+  double done_ = 0;
   std::size_t registered_ = 0, started_ = 0, resumed_ = 0, kept_ = 0;
   bool mismatch_ = false;
 };
@@ -81,6 +86,7 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   source_ = source_json();
   build_ = build_json();
   host_ = host_json();
+  host_["openmp_threads"] = omp_get_max_threads();
   device_ = device_json();
   flags_ = run_flags(source_, host_, device_);
   for (const std::string& reason : refusals(build_, device_, others)) {
@@ -89,7 +95,9 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
     flags_.push_back("forced");
   }
   std::filesystem::path journal = path_;
-  journal_ = std::make_unique<Journal>(journal.replace_extension(".jsonl"), options.fresh);
+  journal_ = std::make_unique<Journal>(journal.replace_extension(".jsonl"));
+  key_ = run_key(build_, host_, device_);
+  provision_ = std::make_unique<Provision>(options.packing_folder, options.selection.profile, options.tuning_n, *journal_, key_);
   Json t;
   t["schema"] = "touchstone/1";
   t["run"] = {{"id", fmt::format("{}-{}", utc_now(), ::getpid())},
@@ -107,77 +115,27 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   file_ = std::make_unique<ResultsFile>(path_, std::move(t));
 }
 
-void StudyRun::load_packing(const PackingSpec& spec, double done, double all) {
-  const std::string name = name_of(spec);
-  if (packings_.count(name)) return;
-  Eta eta(all);
-  auto progress = [&](double share, std::string_view what) {
-    stop_if_interrupted();
-    eta.show(done + share * estimated_packing_seconds(spec), fmt::format("packing {}: {} {:.0f} %", name, what, 100 * share));
-  };
-  stop_if_interrupted();
-  const std::filesystem::path folder = options_.packing_folder.empty() ? default_packing_folder() : options_.packing_folder;
-  packings_[name] = std::make_unique<PackingContext>(load_or_make(spec, folder, progress));
-  eta.end();
-}
-
-void StudyRun::load_packings() {
-  for (const Case& c : cases_) load_packing(c.packing, 0, estimated_packing_seconds(c.packing));
-}
-
-// One tuning a detector and output form, on another seed's packing; kept in the journal like a case.
-void StudyRun::tune_all() {
-  const PackingSpec spec = tuning_spec(cases_.front().packing, options_.selection.profile, options_.tuning_n);
-  for (const Case& c : cases_) {
-    if (c.protocol != Protocol::best || !tunable(*c.detector) || tunings_.count(tuning_name(c))) continue;
-    stop_if_interrupted();
-    load_packing(spec, 0, estimated_packing_seconds(spec));
-    PackingContext& context = *packings_.at(name_of(spec));
-    const std::string key = key_prefix() + "tuning|" + tuning_name(c) + "|" + hex64(packing_hash(context.packing.balls));
-    if (const Json* line = journal_->find(key)) {
-      const Json& t = (*line)["tuning"];
-      tunings_[tuning_name(c)] = {t["cell_ravg"], t["cell_rmax"], t["threads_broad"], t["threads_narrow"], t["tuned_on"]};
-      continue;
-    }
-    fmt::print(stderr, "tuning {} on {}\n", tuning_name(c), name_of(spec));
-    Stream stream(c.detector->place);
-    const Tuning t = tune(*c.detector, c.output, context.packing, context.facts, context.reference(), stream,
-                          [](const std::string&) { stop_if_interrupted(); });
-    tunings_[tuning_name(c)] = t;
-    journal_->append(key, {{"tuning",
-                            {{"cell_ravg", t.cell_ravg},
-                             {"cell_rmax", t.cell_rmax},
-                             {"threads_broad", t.threads_broad},
-                             {"threads_narrow", t.threads_narrow},
-                             {"tuned_on", t.tuned_on}}}});
-  }
-}
-
 void StudyRun::register_case(const Case& c) {
   const std::string name = c.name();
-  PackingContext& context = *packings_.at(name_of(c.packing));
-  const Tuning tuning = tunings_.count(tuning_name(c)) ? tunings_.at(tuning_name(c)) : Tuning{};
+  PackingContext& context = provision_->context(c);
+  const Tuning tuning = provision_->tuning(c);
   const DetectorParams p = params_of(c, context.facts, tuning);
   CaseRecord record;
-  record.journal_key = key_prefix() + fmt::format("{}|{}|{:.9g}|{}|{}|{}", name, hex64(packing_hash(context.packing.balls)),
-                                                  p.cell, p.threads_broad, p.threads_narrow, tuning.tuned_on);
+  record.journal_key = key_ + fmt::format("{}|{}|{:.9g}|{}|{}|{}|{}", name, hex64(packing_hash(context.packing.balls)), p.cell,
+                                          p.threads_broad, p.threads_narrow, tuning.tuned_on,
+                                          on_gpu(*c.detector) ? "" : options_.profile_name);  // it bounds the CPU's samples
   order_.push_back(name);
-  if (const Json* line = journal_->find(record.journal_key)) {
-    file_->add(name, (*line)["entries"]);
-    ++resumed_;
-    return;
-  }
+  if (resume(c, record)) return;
   record.identity = identity_json(c, context.packing, context.facts, tuning);
   records_[name] = std::move(record);
-  runners_[name] = std::make_unique<CaseRunner>(c, p, context, options_.selection.profile, flags_);
-  estimated_ += estimated_seconds(c, options_.selection.profile);
+  runners_[name] = std::make_unique<CaseRunner>(c, tuning, context, options_.selection.profile, flags_);
   ++registered_;
   benchmark::RegisterBenchmark(name.c_str(),
                                [this, c, tuning, name](benchmark::State& state) {
                                  CaseRunner& runner = *runners_.at(name);
                                  repetition(state, c, runner);
                                  if (!runner.complete()) return;
-                                 PackingContext& here = *packings_.at(name_of(c.packing));
+                                 PackingContext& here = provision_->context(c);
                                  CaseRecord& done = records_.at(name);
                                  done.case_object = case_json(c, here.packing, here.facts, tuning, runner.measurement());
                                  done.case_object["run_id"] = file_->touchstone()["run"]["id"];
@@ -191,11 +149,46 @@ void StudyRun::register_case(const Case& c) {
       ->Unit(benchmark::kMicrosecond);
 }
 
+// Takes a case from the journal if it is there.
+bool StudyRun::resume(const Case& c, const CaseRecord& record) {
+  const Json* line = options_.fresh ? nullptr : journal_->find(record.journal_key);
+  if (!line) return false;
+  earlier_runs_.insert((*line)["entries"][0]["case"].value("run_id", ""));
+  file_->add(c.name(), (*line)["entries"]);
+  ++resumed_;
+  done_ += estimated_seconds(c, options_.selection.profile);
+  return true;
+}
+
+// What earlier runs of this very source measured of the study and this one does not select stays in the file.
+void StudyRun::keep_other_selections(std::vector<std::string>& names) {
+  for (auto& [name, entries] : journal_->cases_with_prefix(key_)) {
+    if (std::find(order_.begin(), order_.end(), name) != order_.end()) continue;
+    earlier_runs_.insert(entries[0]["case"].value("run_id", ""));
+    file_->add(name, entries);
+    names.push_back(name);
+    ++kept_;
+  }
+}
+
+// What made those runs unfit to be quoted makes this file so too.
+void StudyRun::taints_of_earlier_runs() {
+  for (const std::string& id : earlier_runs_) {
+    const Json* line = journal_->find("run|" + id);
+    if (!line) {
+      why_not_.push_back(fmt::format("cases of run {}, which did not end: its throttling is not known", id));
+      continue;
+    }
+    for (const std::string& why : (*line)["taints"].get<std::vector<std::string>>())
+      if (std::find(why_not_.begin(), why_not_.end(), why) == why_not_.end()) why_not_.push_back(why);
+  }
+}
+
 void StudyRun::repetition(benchmark::State& state, const Case& c, CaseRunner& runner) {
   if (const auto failed = failures_.find(c.name()); failed != failures_.end()) return skip(state, failed->second);
-  if (!eta_) eta_ = std::make_unique<Eta>(estimated_);
   ++started_;
-  eta_->show(done_, fmt::format("[{}/{}] {}", (started_ - 1) / kRepetitions + 1, registered_, c.name()));
+  eta_->show(provision_->done_seconds() + done_,
+             fmt::format("[{}/{}] {}", (started_ - 1) / kRepetitions + 1, registered_, c.name()));
   std::string error;
   try {
     stop_if_interrupted();
@@ -219,8 +212,6 @@ void StudyRun::repetition(benchmark::State& state, const Case& c, CaseRunner& ru
 void StudyRun::finish() {
   Json& run = file_->touchstone()["run"];
   file_->touchstone()["state"]["end"] = state_json();
-  const bool complete = file_->cases() == order_.size() + kept_ && file_->skipped() == 0;
-  if (!complete) why_not_.push_back(fmt::format("{} of {} cases measured", file_->cases() - kept_, order_.size()));
   if (source_["commit"] == "unknown") why_not_.push_back("source commit unknown");
   if (source_["dirty"] == true) why_not_.push_back("uncommitted changes in the measured source");
   for (const char* when : {"start", "end"}) {
@@ -228,6 +219,10 @@ void StudyRun::finish() {
     if (gpu.is_object() && gpu["throttled"] == true)
       why_not_.push_back(fmt::format("GPU throttled at {}: {}", when, gpu["event_reasons"].get<std::string>()));
   }
+  journal_->append("run|" + run["id"].get<std::string>(), {{"taints", why_not_}});
+  taints_of_earlier_runs();
+  const bool complete = file_->cases() == order_.size() + kept_ && file_->skipped() == 0;
+  if (!complete) why_not_.push_back(fmt::format("{} of {} cases measured", file_->cases() - kept_, order_.size()));
   run["end"] = utc_now();
   run["planned"] = order_.size();
   run["done"] = file_->cases() - kept_;
@@ -246,16 +241,13 @@ int StudyRun::exit_code() const {
 
 int StudyRun::run() {
   if (!gpu_usable()) fmt::print(stderr, "{}; CPU detectors are measured\n", why_no_gpu());
-  load_packings();
-  tune_all();
+  double seconds = provision_->estimated_seconds(cases_);
+  for (const Case& c : cases_) seconds += estimated_seconds(c, options_.selection.profile);
+  eta_ = std::make_unique<Eta>(seconds);
+  provision_->provide(cases_, options_.fresh, *eta_);
   for (const Case& c : cases_) register_case(c);
   std::vector<std::string> names = order_;
-  for (auto& [name, entries] : journal_->cases_with_prefix(key_prefix()))
-    if (std::find(order_.begin(), order_.end(), name) == order_.end()) {
-      file_->add(name, entries);
-      names.push_back(name);
-      ++kept_;
-    }
+  keep_other_selections(names);
   Reporter reporter(*file_, *journal_, records_, names, [this] { finish(); });
   if (resumed_ > 0)
     fmt::print(stderr, "{} of {} cases were measured before by this very source; --fresh measures them again\n", resumed_,
@@ -267,7 +259,7 @@ int StudyRun::run() {
     reporter.ReportContext(benchmark::BenchmarkReporter::Context());
     reporter.Finalize();
   }
-  if (eta_) eta_->end();
+  eta_->end();
   for (const Json& s : file_->skipped_cases())
     fmt::print(stderr, "skipped ({}): {}/{} on {}, {}: {}\n", s["code"].get<std::string>(), s["protocol"].get<std::string>(),
                s["detector"].get<std::string>(), s["packing"].get<std::string>(), s["output"].get<std::string>(),

@@ -13,7 +13,7 @@ struct RunOptions {
   std::string study = "table2";
   StudyOptions selection;
   std::string profile_name = "default";
-  std::filesystem::path out;             // folder or .json file; empty: build/results/<machine>/table2.json
+  std::filesystem::path out;             // folder or .json file; empty: build/results/<machine>/<study>.json
   std::filesystem::path packing_folder;  // empty: default_packing_folder()
   std::int32_t tuning_n = 0;             // balls of the tuning packing; 0: the profile's
   bool fresh = false;                    // measure again what the journal holds

@@ -1,19 +1,28 @@
 #include "bench/study.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <regex>
 
 #include "bench/detectors.h"
+#include "bench/studies/studies.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
 namespace {
 
-constexpr std::int32_t kMostBallsFast = 20653;       // `default` measures up to this size
-constexpr std::int32_t kMostBallsQuadratic = 20653;  // all_pairs beyond takes seconds a sample and says nothing new
+constexpr StudyInfo kStudies[] = {
+    {"table2", "Table 2 and Figure 8: every detector at seven sizes, paper's protocol, best and rule", plan_table2},
+    {"figure6", "Figure 6: GPU time against cell size, C = 1 to 6, 50,000 balls", plan_figure6},
+    {"figure7", "Figure 7: the same for the serial multi-cell method on the CPU", plan_figure7},
+    {"figure9", "Figure 9: threads a block of both phases, C = 4", plan_figure9},
+    {"table3", "Table 3: threads, memory, registers and occupancy of each kernel; phase times", plan_table3},
+    {"equations", "Equations 3 and 4: best cell where ravg, rmin, rmax and (V/N)^(1/3) part", plan_equations},
+    {"ablation", "The paper's kernel with one thing taken out or turned round", plan_ablation},
+    {"fairness", "Seeds, order, cache, launch, knowledge, one force pass, cubes, radii, cell factors to 50", plan_fairness},
+};
 
 std::regex compile(const std::string& text, const char* option) {
   try {
@@ -23,31 +32,10 @@ std::regex compile(const std::string& text, const char* option) {
   }
 }
 
-// Which protocols say something about this detector.
-std::vector<Protocol> protocols(const DetectorInfo& info) {
-  if (!info.free_cell) return {Protocol::best};
-  if (info.least_cell_rmax > 0) return {Protocol::paper, Protocol::best};  // refuses cells of 2 or 4 ravg
-  return {Protocol::paper, Protocol::best, Protocol::rule};
+double budget_us(const Case& c, Profile profile) {
+  if (c.budget_s > 0) return 1e6 * c.budget_s;
+  return profile == Profile::full ? 8e6 : 1.5e6;
 }
-
-void add_cases(std::vector<Case>& cases, const DetectorInfo& info, const PackingSpec& spec) {
-  for (const Protocol protocol : protocols(info))
-    for (const OutputForm output : {OutputForm::ball_lists, OutputForm::pairs}) {
-      Case c{"table2", protocol, &info, spec, output, Launch::stream, Cache::hot};
-      if (!on_gpu(info) || protocol != Protocol::best) {
-        cases.push_back(c);
-        continue;
-      }
-      for (const Launch launch : {Launch::stream, Launch::graph})
-        for (const Cache cache : {Cache::hot, Cache::cold}) {
-          c.launch = launch;
-          c.cache = cache;
-          cases.push_back(c);
-        }
-    }
-}
-
-double budget_us(Profile profile) { return profile == Profile::full ? 8e6 : 1.5e6; }
 
 double estimated_sample_us(const DetectorInfo& info, double n) {
   if (on_gpu(info)) return 60 + 0.003 * n;
@@ -63,44 +51,48 @@ Profile parse_profile(std::string_view word) {
   throw InputError(fmt::format("unknown profile '{}': default (sizes to 20,653) or full (all sizes)", word));
 }
 
-std::vector<Case> plan_table2(const std::vector<PackingSpec>& specs, const StudyOptions& options) {
-  const std::regex detectors = compile(options.detectors, "--detectors"), packings = compile(options.packings, "--packings");
-  std::vector<PackingSpec> sorted = specs;
-  std::stable_sort(sorted.begin(), sorted.end(), [](const PackingSpec& a, const PackingSpec& b) { return a.n < b.n; });
-  std::vector<Case> cases;
-  for (const PackingSpec& spec : sorted) {
-    if (options.profile == Profile::fast && spec.n > kMostBallsFast) continue;
-    if (!std::regex_search(name_of(spec), packings)) continue;
-    for (const DetectorInfo* info : all_detectors()) {
-      if (!std::regex_search(info->label(), detectors)) continue;
-      if (info->name == "all_pairs" && spec.n > kMostBallsQuadratic) continue;
-      add_cases(cases, *info, spec);
-    }
+std::span<const StudyInfo> studies() { return kStudies; }
+
+std::vector<Case> plan_study(std::string_view study, const StudyOptions& options) {
+  const auto at = std::find_if(std::begin(kStudies), std::end(kStudies), [&](const StudyInfo& s) { return s.name == study; });
+  if (at == std::end(kStudies)) {
+    std::vector<std::string_view> names;
+    for (const StudyInfo& s : kStudies) names.push_back(s.name);
+    throw InputError(fmt::format("unknown study '{}': {}", study, fmt::join(names, ", ")));
   }
+  const std::regex detectors = compile(options.detectors, "--detectors"), packings = compile(options.packings, "--packings");
+  std::vector<Case> cases = at->plan(options.profile);
+  std::erase_if(cases, [&](const Case& c) {
+    return !std::regex_search(c.detector->label(), detectors) || !std::regex_search(name_of(c.packing), packings);
+  });
+  for (Case& c : cases) c.study = study;
   return cases;
 }
 
 PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n) {
   PackingSpec spec = like;
-  spec.n = n > 0 ? n : profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
-  spec.seed = like.seed + 1;
+  const std::int32_t most = profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
+  spec.n = n > 0 ? n : spec.kind == PackingKind::settled ? most : std::min(like.n, most);
+  spec.seed = like.seed == 2 ? 1 : 2;
   return spec;
 }
 
 bool tunable(const DetectorInfo& info) { return info.free_cell || info.threads_broad || info.threads_narrow; }
 
-int samples_per_repetition(const DetectorInfo& info, Profile profile, double sample_us) {
-  if (on_gpu(info)) return kSamplesPerRepetition;
-  return std::clamp(static_cast<int>(budget_us(profile) / (kRepetitions * sample_us)), 1, kSamplesPerRepetition);
+int samples_per_repetition(const Case& c, Profile profile, double sample_us) {
+  const double most = budget_us(c, profile) / (kRepetitions * sample_us);
+  return static_cast<int>(std::clamp(most, 1.0, static_cast<double>(kSamplesPerRepetition)));
 }
 
 double estimated_seconds(const Case& c, Profile profile) {
   const double n = c.packing.n, sample_us = estimated_sample_us(*c.detector, n);
-  const int samples = kRepetitions * samples_per_repetition(*c.detector, profile, sample_us);
+  const int samples = kRepetitions * samples_per_repetition(c, profile, sample_us);
   const double verification = 0.02 + 1.5e-6 * n;
   return verification + 1e-6 * (samples + 3) * sample_us;
 }
 
-double estimated_packing_seconds(const PackingSpec& spec) { return 0.5 + 1.3e-3 * spec.n; }
+double estimated_packing_seconds(const PackingSpec& spec) {
+  return spec.kind == PackingKind::loose ? 0.1 + 1e-6 * spec.n : 0.5 + 1.3e-3 * spec.n;
+}
 
 }  // namespace touchstone

@@ -1,8 +1,10 @@
-// The studies: which cases a run consists of.
+// The studies: which cases a run consists of. One row a study; a new one is a function in bench/studies/ and a row in
+// bench/study.cpp.
 #pragma once
 
-#include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/case.h"
@@ -17,20 +19,27 @@ struct StudyOptions {
   std::string detectors = ".*", packings = ".*";  // regular expressions, searched in labels and packing names
 };
 
-// The cases of Table 2 and Figure 8: specs (smallest first) x detectors x protocols x outputs, launch and cache on the GPU.
-// Throws InputError for a regular expression that is none.
-std::vector<Case> plan_table2(const std::vector<PackingSpec>& specs, const StudyOptions& options);
+struct StudyInfo {
+  std::string_view name;     // "figure6"
+  std::string_view summary;  // one line
+  std::vector<Case> (*plan)(Profile);
+};
+std::span<const StudyInfo> studies();
 
-// The spec whose packing tunes `best`: like the study's, of another seed, so that no reported packing was tuned on.
-// n = 0: the profile's choice.
+// The study's cases, smallest packings first as far as it wants that, that the options select.
+// Throws InputError: no such study (with their names), or a regular expression that is none.
+std::vector<Case> plan_study(std::string_view study, const StudyOptions& options);
+
+// The spec whose packing tunes a case of Protocol::best: like its own, of seed 2 (or 1, for cases of seed 2), so that no
+// packing reported is one tuned on. n = 0: the profile's choice.
 PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n);
 
 // True where Protocol::best has something to choose.
 bool tunable(const DetectorInfo& info);
 
-// Samples a repetition may take on the CPU, given one sample's time, so that a case stays within the profile's time.
+// Samples a repetition takes, given one sample's time, so that a case stays within its time.
 inline constexpr int kRepetitions = 9, kSamplesPerRepetition = 15;
-int samples_per_repetition(const DetectorInfo& info, Profile profile, double sample_us);
+int samples_per_repetition(const Case& c, Profile profile, double sample_us);
 
 // A rough time for one case on a typical machine, seconds: for plans and remaining times, scaled by what is seen.
 double estimated_seconds(const Case& c, Profile profile);

@@ -15,8 +15,9 @@ std::string_view to_string(Cache cache) { return cache == Cache::cold ? "cold" :
 using Clock = std::chrono::steady_clock;
 
 struct Sampler::State {
-  State(Detection& d, Place p, Launch l, Cache c, Stream& s) : detection(d), place(p), launch(l), cache(c), stream(s) {}
-  Detection& detection;
+  State(std::function<void()> w, Place p, Launch l, Cache c, Stream& s)
+      : work(std::move(w)), place(p), launch(l), cache(c), stream(s) {}
+  std::function<void()> work;
   Place place;
   Launch launch;
   Cache cache;
@@ -33,7 +34,7 @@ struct Sampler::State {
     check(cudaEventCreate(&stop));
     if (launch == Launch::graph) {
       check(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeThreadLocal));
-      detection.detector->detect(detection.input(), detection.output->view(), stream);
+      work();
       check(cudaStreamEndCapture(stream.get(), &graph));
       check(cudaGraphInstantiate(&executable, graph, 0));
       check(cudaGraphUpload(executable, stream.get()));
@@ -56,7 +57,7 @@ struct Sampler::State {
     if (launch == Launch::graph)
       check(cudaGraphLaunch(executable, stream.get()));
     else
-      detection.detector->detect(detection.input(), detection.output->view(), stream);
+      work();
     check(cudaEventRecord(stop, stream.get()));
     check(cudaEventSynchronize(stop));
     float ms = 0;
@@ -77,13 +78,17 @@ struct Sampler::State {
 
   double host_sample_us() {
     const auto begin = Clock::now();
-    detection.detector->detect(detection.input(), detection.output->view(), stream);
+    work();
     return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
   }
 };
 
 Sampler::Sampler(Detection& detection, Place place, Launch launch, Cache cache, Stream& stream)
-    : state_(std::make_unique<State>(detection, place, launch, cache, stream)) {
+    : Sampler([&] { detection.detector->detect(detection.input(), detection.output->view(), stream); }, place, launch, cache,
+              stream) {}
+
+Sampler::Sampler(std::function<void()> work, Place place, Launch launch, Cache cache, Stream& stream)
+    : state_(std::make_unique<State>(std::move(work), place, launch, cache, stream)) {
   if (place == Place::device)
     state_->prepare();
   else if (launch == Launch::graph || cache == Cache::cold)
@@ -105,6 +110,43 @@ double Sampler::warm_up_us(double least_ms) {
     last = sample_us();
   return last;
 }
+
+#if !defined(TOUCHSTONE_NO_CUDA)
+std::vector<std::pair<std::string, double>> phase_times_us(const std::function<void()>& work, Stream& stream, int samples) {
+  std::vector<std::pair<std::string, cudaEvent_t>> marks;  // of one run
+  const auto mark = [&](const char* phase) {
+    marks.emplace_back(phase, nullptr);
+    check(cudaEventCreate(&marks.back().second));
+    check(cudaEventRecord(marks.back().second, stream.get()));
+  };
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> times;
+  stream.listen(mark);
+  for (int k = 0; k < samples; ++k) {
+    work();
+    mark("end");
+    stream.synchronize();
+    names.resize(marks.size() - 1);
+    times.resize(marks.size() - 1);
+    for (std::size_t m = 0; m + 1 < marks.size(); ++m) {
+      float ms = 0;
+      check(cudaEventElapsedTime(&ms, marks[m].second, marks[m + 1].second));
+      names[m] = marks[m].first;
+      times[m].push_back(1e3 * ms);
+    }
+    for (const auto& [name, event] : marks) cudaEventDestroy(event);
+    marks.clear();
+  }
+  stream.listen({});
+  std::vector<std::pair<std::string, double>> phases;
+  for (std::size_t m = 0; m < names.size(); ++m) phases.emplace_back(names[m], quartiles(times[m]).median);
+  return phases;
+}
+#else
+std::vector<std::pair<std::string, double>> phase_times_us(const std::function<void()>&, Stream&, int) {
+  throw std::logic_error("phase_times_us: this build has no GPU to time");
+}
+#endif
 
 Quartiles quartiles(std::vector<double> values) {
   if (values.empty()) throw std::logic_error("quartiles of nothing");

@@ -1,7 +1,9 @@
 // Taking one time: the timed region of design.md, "Timed region", and nothing else between the two clocks.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,11 +16,14 @@ enum class Cache { hot, cold };       // cold: the L2 is flushed before each sam
 std::string_view to_string(Launch launch);
 std::string_view to_string(Cache cache);
 
-// Takes samples of one Detection. On the GPU a sample is event, one launch or one detect(), event; on the CPU detect()
-// between two readings of the steady clock. Never a batch divided by its length.
+// Takes samples of `work`, which enqueues on the stream (GPU) or does (CPU) what is to be timed. On the GPU a sample is event,
+// one launch of the captured graph or one call of `work`, event; on the CPU a call between two readings of the steady clock.
+// Never a batch divided by its length.
 class Sampler {
  public:
   // Captures the graph where asked. Throws std::logic_error for graph or cold on the CPU.
+  Sampler(std::function<void()> work, Place place, Launch launch, Cache cache, Stream& stream);
+  // The work is one detect() of `detection`.
   Sampler(Detection& detection, Place place, Launch launch, Cache cache, Stream& stream);
   ~Sampler();
   Sampler(Sampler&&) noexcept;
@@ -33,6 +38,10 @@ class Sampler {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// Medians of the times between the marks that `work` sets on the stream (kernels/device.h), in order, microseconds. Events
+// between phases cost time of their own, so the phases' sum is a little more than a sample. GPU only.
+std::vector<std::pair<std::string, double>> phase_times_us(const std::function<void()>& work, Stream& stream, int samples);
 
 // Quartiles by linear interpolation between order statistics (R's type 7). Throws std::logic_error if empty.
 struct Quartiles {

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "bench/detectors.h"
+#include "bench/order.h"
+#include "touchstone/grid.h"
 
 namespace touchstone {
 namespace {
@@ -42,10 +45,11 @@ Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts)
   return r;
 }
 
-std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream) {
+std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream,
+                     std::span<const std::int32_t> number) {
   ContactList found;
   try {
-    found = detection.output->download(stream);
+    found = renumbered(detection.output->download(stream), number);
   } catch (const std::logic_error& e) {  // malformed: a duplicate, i >= j, an index outside
     return e.what();
   }
@@ -58,6 +62,26 @@ std::string mismatch(const Detection& detection, const Reference& reference, Str
   }
   const ContactDifference difference = compare(found, reference.list);
   return difference.equal() ? "" : difference.text();
+}
+
+std::string count_mismatch(const Detection& detection, const Reference& reference, Finds finds, std::span<const Ball> balls,
+                           const PackingFacts& facts, double cell) {
+  std::int64_t expected = reference.contacts;
+  if (finds == Finds::duplicates) {
+    if (reference.only_hash) throw std::logic_error("count_mismatch: duplicates need the list of contacts");
+    const Grid grid = make_grid(facts.surfaces, cell);
+    const auto shared = [](std::int32_t lo_a, std::int32_t hi_a, std::int32_t lo_b, std::int32_t hi_b) {
+      return std::int64_t{std::min(hi_a, hi_b)} - std::max(lo_a, lo_b) + 1;
+    };
+    expected = 0;
+    for (const Pair& pair : reference.list.pairs) {
+      const CellBox a = cells_of_ball(grid, balls[pair.i]), b = cells_of_ball(grid, balls[pair.j]);
+      expected += shared(a.lo_x, a.hi_x, b.lo_x, b.hi_x) * shared(a.lo_y, a.hi_y, b.lo_y, b.hi_y) *
+                  shared(a.lo_z, a.hi_z, b.lo_z, b.hi_z);
+    }
+  }
+  if (detection.report.contacts == expected) return "";
+  return fmt::format("{} contacts counted, {} expected", detection.report.contacts, expected);
 }
 
 }  // namespace touchstone

@@ -24,7 +24,14 @@ inline constexpr std::int32_t kMostBallsAllPairs = 5'000;
 // Throws std::runtime_error if these two disagree: then there is no truth to compare with.
 Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts);
 
-// "" if the detection's contact set is the reference's; else how it differs, in one line.
-std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream);
+// "" if the detection's contact set is the reference's; else how it differs, in one line. `number` maps the detection's balls
+// to the packing's (bench/order.h); empty where they are the same.
+std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream,
+                     std::span<const std::int32_t> number = {});
+
+// For what finds less than the set, the same by the count alone: the contacts, or for Finds::duplicates the sum over the
+// contacts of the cells (of edge `cell`, m) that hold both balls.
+std::string count_mismatch(const Detection& detection, const Reference& reference, Finds finds, std::span<const Ball> balls,
+                           const PackingFacts& facts, double cell);
 
 }  // namespace touchstone

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "touchstone/error.h"
+#include "touchstone/radius_bins.h"
 
 namespace touchstone {
 
@@ -26,24 +27,6 @@ void grow(Box& box, const Ball& b, float reach) {
     box.lower[axis] = std::min(box.lower[axis], centre[axis] - reach);
     box.upper[axis] = std::max(box.upper[axis], centre[axis] + reach);
   }
-}
-
-// At most 256 bins of equal width between rmin and rmax; one bin if all radii are equal.
-std::vector<std::pair<float, std::int32_t>> histogram(std::span<const Ball> balls, float rmin, float rmax) {
-  constexpr int kBins = 256;
-  if (rmin == rmax) return {{rmax, static_cast<std::int32_t>(balls.size())}};
-  std::vector<std::pair<float, std::int32_t>> bins(kBins);
-  const double width = (static_cast<double>(rmax) - rmin) / kBins;
-  for (int b = 0; b < kBins; ++b) bins[b] = {b + 1 == kBins ? rmax : static_cast<float>(rmin + width * (b + 1)), 0};
-  for (const Ball& ball : balls) {
-    // Bins are (upper of the one before, own upper]; the guess can be one off by rounding, the loops set it right.
-    int b = std::clamp(static_cast<int>((ball.r - static_cast<double>(rmin)) / width), 0, kBins - 1);
-    while (b > 0 && ball.r <= bins[b - 1].first) --b;
-    while (b + 1 < kBins && ball.r > bins[b].first) ++b;
-    ++bins[b].second;
-  }
-  std::erase_if(bins, [](const auto& bin) { return bin.second == 0; });
-  return bins;
 }
 
 }  // namespace
@@ -65,7 +48,10 @@ PackingFacts facts_of(std::span<const Ball> balls) {
     sum += b.r;
   }
   facts.ravg = sum / static_cast<double>(balls.size());
-  facts.radii = histogram(balls, facts.rmin, facts.rmax);
+  const RadiusBins bins(facts.rmin, facts.rmax);
+  std::vector<std::int32_t> count(RadiusBins::kMost);
+  for (const Ball& b : balls) ++count[bins.bin_of(b.r)];
+  facts.radii = bins.histogram(count);
   return facts;
 }
 

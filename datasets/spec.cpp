@@ -169,6 +169,9 @@ std::string name_of(const PackingSpec& spec) {
   return name;
 }
 
+std::string_view to_string(PackingKind kind) { return word_of(kKinds, kind); }
+std::string_view to_string(Mix mix) { return word_of(kMixes, mix); }
+
 std::string to_string(const PackingSpec& spec) {
   return fmt::format("n={},c={},seed={},base={},mix={},kind={},phi={},rmin_cm={}", spec.n, spec.cell_factor, spec.seed,
                      base_text(spec), word_of(kMixes, spec.mix), word_of(kKinds, spec.kind), spec.solid_fraction, cm(spec.rmin));

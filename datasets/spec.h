@@ -22,6 +22,9 @@ enum class Mix {
   scc30        // 30 % of the solid volume uniform in [rmin, rmax], the rest at rmin
 };
 
+std::string_view to_string(PackingKind kind);  // "settled", "loose"
+std::string_view to_string(Mix mix);           // "table1", …
+
 struct PackingSpec {
   PackingKind kind = PackingKind::settled;
   Mix mix = Mix::table1;

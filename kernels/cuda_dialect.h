@@ -36,6 +36,11 @@ struct LaunchShape {
 
 #if defined(TOUCHSTONE_NO_CUDA)
 
+template <class... Params>
+KernelFacts kernel_facts(const char* name, const char* phase, LaunchShape shape, void (*)(Params...)) {
+  return {name, phase, shape.threads, 0, static_cast<std::int64_t>(shape.shared_bytes)};
+}
+
 // Runs the kernel to its end, blocks one after another in a seeded order. Throws std::runtime_error for a shape no GPU
 // would take, for an exception in the kernel, and where threads of a block wait for each other for ever.
 template <class... Params, class... Args>
@@ -70,6 +75,26 @@ void allow_shared(Kernel* kernel, std::size_t bytes) {
     check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)));
 }
 }  // namespace dialect_detail
+
+// What the driver says of this kernel at this shape, on the current device.
+template <class... Params>
+KernelFacts kernel_facts(const char* name, const char* phase, LaunchShape shape, void (*kernel)(Params...)) {
+  dialect_detail::allow_shared(kernel, shape.shared_bytes);
+  cudaFuncAttributes attributes{};
+  check(cudaFuncGetAttributes(&attributes, kernel));
+  int device = 0, most_threads = 0, blocks = 0;
+  check(cudaGetDevice(&device));
+  check(cudaDeviceGetAttribute(&most_threads, cudaDevAttrMaxThreadsPerMultiProcessor, device));
+  check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, shape.threads, shape.shared_bytes));
+  return {name,
+          phase,
+          shape.threads,
+          static_cast<std::int64_t>(attributes.sharedSizeBytes),
+          static_cast<std::int64_t>(shape.shared_bytes),
+          attributes.numRegs,
+          blocks,
+          static_cast<double>(blocks) * shape.threads / most_threads};
+}
 
 // kernel<<<blocks, threads, shared_bytes, stream>>>(args...), with the launch's status checked.
 template <class... Params, class... Args>

@@ -82,21 +82,27 @@ std::int64_t Detection::bytes() const {
   return static_cast<std::int64_t>(balls.bytes()) + detector->workspace_bytes() + output->bytes();
 }
 
-Detection detect_completely(const DetectorInfo& info, std::span<const Ball> balls, const PackingFacts& facts, DetectorParams params,
-                            OutputForm form, Stream& stream, std::int64_t capacity) {
-  constexpr int kMostRetries = 8;
+Detection detect_completely(const DetectorInfo& info, std::span<const Ball> balls, const PackingFacts& facts,
+                            DetectorParams params, OutputForm form, Stream& stream, std::int64_t capacity) {
   Detection d;
   d.balls = Buffer<Ball>(balls.size(), info.place, stream);
   copy_async(d.balls, balls, stream);
-  if (capacity == 0) capacity = default_capacity(form, facts);
+  complete_detection(d, info, facts, params, form, stream, capacity == 0 ? default_capacity(form, facts) : capacity);
+  return d;
+}
+
+void complete_detection(Detection& d, const DetectorInfo& info, const PackingFacts& facts, DetectorParams params, OutputForm form,
+                        Stream& stream, std::int64_t capacity) {
+  constexpr int kMostRetries = 8;
   for (;; ++d.retries) {
     if (!d.detector) d.detector = info.make(facts, params, stream);
     if (!d.output) d.output = std::make_unique<ContactStorage>(info.place, form, facts.n, capacity, stream);
     d.detector->detect(d.input(), d.output->view(), stream);
     d.report = d.detector->report(d.output->view(), stream);
-    if (d.report.complete()) return d;
+    if (d.report.complete()) return;
     if (d.retries == kMostRetries)
-      throw std::runtime_error(fmt::format("{}: still too small after {} retries: {}", info.label(), kMostRetries, d.report.text()));
+      throw std::runtime_error(
+          fmt::format("{}: still too small after {} retries: {}", info.label(), kMostRetries, d.report.text()));
     if (d.report.cell.happened()) {
       params.cell_capacity = static_cast<std::int32_t>(d.report.cell.count);
       d.detector.reset();

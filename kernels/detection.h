@@ -43,10 +43,15 @@ struct Detection {
   std::int64_t bytes() const;  // input, workspace and output
 };
 
+// Detects on d's balls, which are resident, and grows whichever of bucket, row or list was too small (to the true count) until
+// the report is complete. Keeps d's output if it has one (of `form`), else makes one for `capacity`.
+void complete_detection(Detection& d, const DetectorInfo& info, const PackingFacts& facts, DetectorParams params, OutputForm form,
+                        Stream& stream, std::int64_t capacity);
+
 // Uploads, detects, and grows whichever of bucket, row or list was too small (to the true count) until the report is complete.
 // capacity 0 = default_capacity. Throws InputError from the detector's make, std::runtime_error after 8 retries.
-Detection detect_completely(const DetectorInfo& info, std::span<const Ball> balls, const PackingFacts& facts, DetectorParams params,
-                            OutputForm form, Stream& stream, std::int64_t capacity = 0);
+Detection detect_completely(const DetectorInfo& info, std::span<const Ball> balls, const PackingFacts& facts,
+                            DetectorParams params, OutputForm form, Stream& stream, std::int64_t capacity = 0);
 
 // DetectorReport from an output's own counters: counts past capacity show which row or list was too small. For
 // detectors' report(): they add their cells.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <new>
 #include <source_location>
 #include <span>
@@ -22,11 +23,24 @@
 
 namespace touchstone {
 
+// Detectors name the phase of what they enqueue next ("clear", "broad", "sort", "narrow" …). Nobody listens but a
+// measurement of phase times.
+class PhaseMarks {
+ public:
+  void mark(const char* phase) {
+    if (listener_) listener_(phase);
+  }
+  void listen(std::function<void(const char* phase)> listener) { listener_ = std::move(listener); }
+
+ private:
+  std::function<void(const char*)> listener_;
+};
+
 #if defined(TOUCHSTONE_NO_CUDA)
 
 inline constexpr bool kDeviceIsDouble = true;
 
-class Stream {
+class Stream : public PhaseMarks {
  public:
   explicit Stream(Place = Place::device) {}
   void synchronize() {}
@@ -48,7 +62,7 @@ inline void copy_bytes_async(void* to, const void* from, std::size_t bytes, Stre
 inline void fill_bytes_async(void* to, int byte, std::size_t bytes, Stream&) {
   if (bytes) std::memset(to, byte, bytes);
 }
-inline int device_count() { return 1; }  // the double itself
+inline int device_count() { return 1; }                           // the double itself
 inline std::size_t free_bytes() { return std::size_t{1} << 31; }  // the double plays a small GPU
 
 #else
@@ -63,7 +77,7 @@ inline void check(cudaError_t status, std::source_location at = std::source_loca
 }
 
 // An in-order queue of device work. A host stream needs no driver: copies are done at once, detectors run in detect().
-class Stream {
+class Stream : public PhaseMarks {
  public:
   explicit Stream(Place place = Place::device) : place_(place) {
     if (place == Place::device) check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking));

@@ -148,16 +148,24 @@ class FixedBucket : public Detector {
   void detect(BallsView in, ContactsView out, Stream& stream) override {
     if (in.n == 0) return clear_count(out, stream);
     const BallBuckets buckets{grid_, params_.cell_capacity, length_.data(), number_.data(), ball_.data()};
-    const int threads = params_.threads_narrow;
+    stream.mark("clear");
     fill_async(length_, 0, stream);
-    launch(stream, {blocks_for(in.n, params_.threads_broad), params_.threads_broad}, file_by_centre_kernel, in, buckets, out);
-    launch(stream, {grid_.cells(), threads, shared_bytes(out.form, threads)}, search_27_buckets_kernel, buckets, out);
+    stream.mark("broad");
+    launch(stream, broad_shape(in.n), file_by_centre_kernel, in, buckets, out);
+    stream.mark("narrow");
+    launch(stream, narrow_shape(out.form), search_27_buckets_kernel, buckets, out);
   }
 
   DetectorReport report(ContactsView out, Stream& stream) override {
     DetectorReport report = report_output(out, stream);
+    report.cells = grid_.cells();
     if (out.n > 0) report.cell = worst_cell(length_, params_.cell_capacity, stream);
     return report;
+  }
+
+  std::vector<KernelFacts> kernels(OutputForm form) const override {
+    return {kernel_facts("file_by_centre_kernel", "broad", broad_shape(1), file_by_centre_kernel),
+            kernel_facts("search_27_buckets_kernel", "narrow", narrow_shape(form), search_27_buckets_kernel)};
   }
 
   std::int64_t workspace_bytes() const override {
@@ -167,6 +175,10 @@ class FixedBucket : public Detector {
   DetectorParams params() const override { return params_; }
 
  private:
+  LaunchShape broad_shape(std::int32_t n) const { return {blocks_for(n, params_.threads_broad), params_.threads_broad}; }
+  LaunchShape narrow_shape(OutputForm form) const {
+    return {grid_.cells(), params_.threads_narrow, shared_bytes(form, params_.threads_narrow)};
+  }
   std::int64_t slots() const { return grid_.cells() * params_.cell_capacity; }
 
   DetectorParams params_;

@@ -5,6 +5,8 @@
 //
 // Their numParticlePerCell is `cell_capacity` here, a multiple of 64 where not given (they advise that); counters go on past
 // it, so that a loss is seen and mended. Constant memory: the grid is a kernel parameter, which lives there.
+//
+// The same source serves the ablations: one thing taken out or turned round each, so that the times' difference is its share.
 #include "kernels/contact_writer.h"
 #include "kernels/detection.h"
 #include "kernels/planning.h"
@@ -15,26 +17,39 @@
 namespace touchstone {
 namespace {
 
+enum class Ablation {
+  none,
+  row_major,   // slot k of cell c is entry c * capacity + k (paper 2.1 claims that columns are better)
+  judge_off,   // stage 2 left out: a pair is found in every cell that holds both
+  stores_off,  // stage 4 counts with its two atomicAdds, and stores nothing
+  atomics_off  // stage 4 counts in a register, added once for each ball of a cell: neither atomics nor stores a contact
+};
+
 // Seen by kernels: the paper's d_lenCells and d_Cells (Fig. 3). Slot k of cell c is entry k * cells + c.
 struct ColumnBuckets {
   Grid grid;
   std::int32_t capacity;  // numParticlePerCell
   std::int32_t* length;   // [cells], true past capacity
   std::int32_t* number;   // [capacity * cells]
+
+  template <Ablation kAblation>
+  __device__ std::int64_t slot(std::int32_t k, std::int64_t c) const {
+    return kAblation == Ablation::row_major ? c * capacity + k : k * grid.cells() + c;
+  }
 };
 
 // Broad phase, one thread a ball. Stage 1: the bounds of the ball in cells. Stage 2: insert it into each.
+template <Ablation kAblation>
 __global__ void broad_phase_kernel(BallsView in, ColumnBuckets buckets) {
   const std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i >= in.n) return;
-  const std::int64_t cells = buckets.grid.cells();
   const CellBox box = cells_of_ball(buckets.grid, in.data[i]);
   for (std::int32_t z = box.lo_z; z <= box.hi_z; ++z)
     for (std::int32_t y = box.lo_y; y <= box.hi_y; ++y)
       for (std::int32_t x = box.lo_x; x <= box.hi_x; ++x) {
         const std::int32_t c = buckets.grid.cell_number(x, y, z);
         const std::int32_t k = atomicAdd(&buckets.length[c], 1);
-        if (k < buckets.capacity) buckets.number[k * cells + c] = static_cast<std::int32_t>(i);
+        if (k < buckets.capacity) buckets.number[buckets.slot<kAblation>(k, c)] = static_cast<std::int32_t>(i);
       }
 }
 
@@ -43,7 +58,25 @@ __device__ bool is_judge_cell(const CellBox& a, const CellBox& b, std::int32_t c
   return c == grid.cell_number(max(a.lo_x, b.lo_x), max(a.lo_y, b.lo_y), max(a.lo_z, b.lo_z));
 }
 
+// Stage 4. `held` is the thread's own counter, of atomics_off.
+template <Ablation kAblation>
+__device__ void enter_contact(const ContactsView& out, std::int32_t i, std::int32_t j, std::int32_t& held) {
+  if constexpr (kAblation == Ablation::atomics_off) {
+    ++held;
+  } else if constexpr (kAblation == Ablation::stores_off) {
+    if (out.form == OutputForm::pairs) {
+      atomic_add(out.count, 1);
+    } else {
+      atomicAdd(&out.length[i], 1);
+      atomicAdd(&out.length[j], 1);
+    }
+  } else {
+    write_contact(out, i, j);
+  }
+}
+
 // Narrow phase, one block a cell (Algorithm 2): thread t takes the cell's ball t and loops over the balls after it.
+template <Ablation kAblation>
 __global__ void narrow_phase_kernel(BallsView in, ColumnBuckets buckets, ContactsView out) {
   std::int32_t* const length = dynamic_shared<std::int32_t>();
   std::int32_t* const number = length + 1;  // [capacity]
@@ -53,19 +86,27 @@ __global__ void narrow_phase_kernel(BallsView in, ColumnBuckets buckets, Contact
   // Stage 1: global memory -> shared memory.
   if (t == 0) *length = min(buckets.length[c], buckets.capacity);
   __syncthreads();
-  for (std::int32_t k = t; k < *length; k += threads) number[k] = buckets.number[k * buckets.grid.cells() + c];
+  for (std::int32_t k = t; k < *length; k += threads) number[k] = buckets.number[buckets.slot<kAblation>(k, c)];
   __syncthreads();
 
   for (std::int32_t k = t; k < *length; k += threads) {
     const std::int32_t i = number[k];
     const Ball a = in.data[i];
     const CellBox cells_of_a = cells_of_ball(buckets.grid, a);
+    std::int32_t held = 0;
     for (std::int32_t l = k + 1; l < *length; ++l) {
       const std::int32_t j = number[l];
       const Ball b = in.data[j];
-      if (is_judge_cell(cells_of_a, cells_of_ball(buckets.grid, b), c, buckets.grid) &&  // stage 2
-          in_contact(a, b))                                                              // stage 3
-        write_contact(out, i, j);                                                        // stage 4
+      const bool here = kAblation == Ablation::judge_off ||
+                        is_judge_cell(cells_of_a, cells_of_ball(buckets.grid, b), c, buckets.grid);  // stage 2
+      if (here && in_contact(a, b))                                                                  // stage 3
+        enter_contact<kAblation>(out, i, j, held);                                                   // stage 4
+    }
+    if (kAblation == Ablation::atomics_off && held > 0) {
+      if (out.form == OutputForm::pairs)
+        atomic_add(out.count, held);
+      else
+        atomicAdd(&out.length[i], 2 * held);  // both directions, so that the sum of all rows is what it should be
     }
   }
 }
@@ -73,6 +114,7 @@ __global__ void narrow_phase_kernel(BallsView in, ColumnBuckets buckets, Contact
 // A cell's numbers must fit the shared memory that every GPU gives a block unasked, 48 KB.
 constexpr std::int32_t kMostSlots = 48 * 1024 / sizeof(std::int32_t) - 1;
 
+template <Ablation kAblation>
 class MultiCellPaper : public Detector {
  public:
   MultiCellPaper(const PackingFacts& facts, DetectorParams params, Stream& stream) {
@@ -92,20 +134,28 @@ class MultiCellPaper : public Detector {
   void detect(BallsView in, ContactsView out, Stream& stream) override {
     if (in.n == 0) return clear_count(out, stream);
     const ColumnBuckets buckets{grid_, params_.cell_capacity, length_.data(), number_.data()};
+    stream.mark("clear");
     fill_async(length_, 0, stream);  // "both of which are initialized at the start of each time step" (2.2.2, 2.2.3)
     if (out.form == OutputForm::pairs)
       clear_count(out, stream);
     else
       fill_bytes_async(out.length, 0, sizeof(*out.length) * out.n, stream);
-    launch(stream, {blocks_for(in.n, params_.threads_broad), params_.threads_broad}, broad_phase_kernel, in, buckets);
-    launch(stream, {grid_.cells(), params_.threads_narrow, sizeof(std::int32_t) * (1 + params_.cell_capacity)},
-           narrow_phase_kernel, in, buckets, out);
+    stream.mark("broad");
+    launch(stream, broad_shape(in.n), broad_phase_kernel<kAblation>, in, buckets);
+    stream.mark("narrow");
+    launch(stream, narrow_shape(), narrow_phase_kernel<kAblation>, in, buckets, out);
   }
 
   DetectorReport report(ContactsView out, Stream& stream) override {
     DetectorReport report = report_output(out, stream);
+    report.cells = grid_.cells();
     if (out.n > 0) report.cell = worst_cell(length_, params_.cell_capacity, stream);
     return report;
+  }
+
+  std::vector<KernelFacts> kernels(OutputForm) const override {
+    return {kernel_facts("broad_phase_kernel", "broad", broad_shape(1), broad_phase_kernel<kAblation>),
+            kernel_facts("narrow_phase_kernel", "narrow", narrow_shape(), narrow_phase_kernel<kAblation>)};
   }
 
   std::int64_t workspace_bytes() const override {
@@ -114,15 +164,39 @@ class MultiCellPaper : public Detector {
   DetectorParams params() const override { return params_; }
 
  private:
+  LaunchShape broad_shape(std::int32_t n) const { return {blocks_for(n, params_.threads_broad), params_.threads_broad}; }
+  LaunchShape narrow_shape() const {
+    return {grid_.cells(), params_.threads_narrow, sizeof(std::int32_t) * (1 + params_.cell_capacity)};
+  }
+
   DetectorParams params_;
   Grid grid_;
   Buffer<std::int32_t> length_, number_;
 };
 
+template <Ablation kAblation>
+std::unique_ptr<Detector> make(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
+  return std::make_unique<MultiCellPaper<kAblation>>(facts, params, stream);
+}
+
 }  // namespace
 
 std::unique_ptr<Detector> make_multi_cell_paper(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
-  return std::make_unique<MultiCellPaper>(facts, params, stream);
+  return make<Ablation::none>(facts, params, stream);
 }
+
+constexpr DetectorInfo ablation(std::string_view name, std::string_view summary, Finds finds, DetectorFactory* factory) {
+  return {"multi_cell_bucket",  "paper", summary, Place::device, true, 0, true, true, true,
+          "box,ravg,histogram", factory, finds,   name};
+}
+
+constexpr DetectorInfo kAblations[] = {
+    ablation("row_major", "buckets row by row", Finds::contacts, make<Ablation::row_major>),
+    ablation("judge_off", "no judge cell: duplicates", Finds::duplicates, make<Ablation::judge_off>),
+    ablation("stores_off", "stage 4: atomics without stores", Finds::count, make<Ablation::stores_off>),
+    ablation("atomics_off", "stage 4: counted in registers", Finds::count, make<Ablation::atomics_off>),
+};
+
+std::span<const DetectorInfo> gpu_ablations() { return kAblations; }
 
 }  // namespace touchstone

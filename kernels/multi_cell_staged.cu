@@ -170,20 +170,23 @@ class MultiCellStaged : public Detector {
   void detect(BallsView in, ContactsView out, Stream& stream) override {
     if (in.n == 0) return clear_count(out, stream);
     const CellBuckets buckets{grid_, params_.cell_capacity, length_.data(), found_.data(), number_.data()};
-    launch(stream, {blocks_for(std::int64_t{in.n} * kLanesABall, params_.threads_broad), params_.threads_broad},
-           file_in_cells_kernel, in, buckets, out);
-    const int threads = params_.threads_narrow, warps = threads / kWarpSize;
-    const SharedShape shape = shape_for(params_.cell_capacity, threads);
-    launch(
-        stream,
-        {blocks_for(grid_.cells(), warps), threads, ContactStage::bytes(shape.staged) + warps * shape.tiles * shape.tile_bytes()},
-        test_in_cells_kernel, in, buckets, out, shape);
+    stream.mark("broad");
+    launch(stream, broad_shape(in.n), file_in_cells_kernel, in, buckets, out);
+    stream.mark("narrow");
+    launch(stream, narrow_shape(), test_in_cells_kernel, in, buckets, out,
+           shape_for(params_.cell_capacity, params_.threads_narrow));
   }
 
   DetectorReport report(ContactsView out, Stream& stream) override {
     DetectorReport report = report_output(out, stream);
+    report.cells = grid_.cells();
     if (out.n > 0) report.cell = worst_cell(found_, params_.cell_capacity, stream);
     return report;
+  }
+
+  std::vector<KernelFacts> kernels(OutputForm) const override {
+    return {kernel_facts("file_in_cells_kernel", "broad", broad_shape(1), file_in_cells_kernel),
+            kernel_facts("test_in_cells_kernel", "narrow", narrow_shape(), test_in_cells_kernel)};
   }
 
   std::int64_t workspace_bytes() const override {
@@ -192,6 +195,16 @@ class MultiCellStaged : public Detector {
   DetectorParams params() const override { return params_; }
 
  private:
+  LaunchShape broad_shape(std::int32_t n) const {
+    return {blocks_for(std::int64_t{n} * kLanesABall, params_.threads_broad), params_.threads_broad};
+  }
+  LaunchShape narrow_shape() const {
+    const int threads = params_.threads_narrow, warps = threads / kWarpSize;
+    const SharedShape shape = shape_for(params_.cell_capacity, threads);
+    return {blocks_for(grid_.cells(), warps), threads,
+            ContactStage::bytes(shape.staged) + warps * shape.tiles * shape.tile_bytes()};
+  }
+
   DetectorParams params_;
   Grid grid_;
   Buffer<std::int32_t> length_, found_, number_;

@@ -5,10 +5,7 @@
 //
 // Where this differs from the sample: the cell starts (sorted_cells.cu), three cells of a row read as one range, and
 // several threads sharing a ball's search where balls are few (ball_search.h).
-#include "kernels/ball_search.h"
-#include "kernels/detection.h"
-#include "kernels/planning.h"
-#include "kernels/sorted_cells.h"
+#include "kernels/sorted_search.h"
 #include "kernels/variants.h"
 
 namespace touchstone {
@@ -35,43 +32,27 @@ __global__ void search_27_cells_kernel(CellOrderView cells, ContactsView out, in
   search.close(i, has_ball);
 }
 
-class SdkSort : public Detector {
+class SdkSort : public SortedSearch {
  public:
   SdkSort(const PackingFacts& facts, const DetectorParams& params, Stream& stream)
-      : params_(chosen(facts, params)),
-        lanes_(lanes_a_ball(facts.n)),
-        cells_("sdk_sort", make_neighbour_grid(facts.centres, params_.cell), facts.n, params_.threads_broad, stream) {}
-
-  void detect(BallsView in, ContactsView out, Stream& stream) override {
-    if (in.n == 0) return clear_count(out, stream);
-    cells_.build(in, out, stream);
-    const int threads = params_.threads_narrow;
-    launch(stream, {blocks_for(in.n, threads / lanes_), threads, BallSearch::shared_bytes(out.form, threads, lanes_)},
-           search_27_cells_kernel, cells_.view(), out, lanes_);
-  }
-
-  DetectorReport report(ContactsView out, Stream& stream) override { return report_output(out, stream); }
-  std::int64_t workspace_bytes() const override { return cells_.bytes(); }
-  DetectorParams params() const override { return params_; }
+      : SortedSearch("sdk_sort", make_neighbour_grid(facts.centres, params.cell), facts, params, stream) {}
 
  private:
-  static DetectorParams chosen(const PackingFacts& facts, DetectorParams params) {
-    params.cell = cell_or(params.cell, 2.0 * facts.rmax);
-    require_neighbour_cell("sdk_sort", params.cell, facts.rmax);
-    params.threads_broad = threads_or("sdk_sort", params.threads_broad, 256);
-    params.threads_narrow = threads_or("sdk_sort", params.threads_narrow, 256);
-    return params;
+  void search(CellOrderView cells, ContactsView out, LaunchShape shape, int lanes, Stream& stream) override {
+    launch(stream, shape, search_27_cells_kernel, cells, out, lanes);
   }
-
-  DetectorParams params_;
-  int lanes_;
-  SortedCells cells_;
+  KernelFacts search_facts(LaunchShape shape) const override {
+    return kernel_facts("search_27_cells_kernel", "narrow", shape, search_27_cells_kernel);
+  }
 };
 
 }  // namespace
 
 std::unique_ptr<Detector> make_sdk_sort(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
-  return std::make_unique<SdkSort>(facts, params, stream);
+  DetectorParams settled = params;
+  settled.cell = cell_or(params.cell, 2.0 * facts.rmax);
+  require_neighbour_cell("sdk_sort", settled.cell, facts.rmax);
+  return std::make_unique<SdkSort>(facts, settled, stream);
 }
 
 }  // namespace touchstone

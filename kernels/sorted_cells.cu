@@ -64,10 +64,18 @@ SortedCells::SortedCells(std::string_view method, const Grid& grid, std::int32_t
       ball_(n, Place::device, stream) {}
 
 void SortedCells::build(BallsView in, ContactsView out, Stream& stream) {
+  stream.mark("key");
   launch(stream, {blocks_for(n_, threads_), threads_}, key_kernel, in, grid_, key_.data(), unsorted_number_.data(), out);
+  stream.mark("sort");
   sort_.sort(key_.data(), unsorted_number_.data(), sorted_key_.data(), number_.data(), stream);
+  stream.mark("reorder");
   launch(stream, {blocks_for(std::max<std::int64_t>(n_, grid_.cells() + 1), threads_), threads_}, reorder_kernel, in,
          number_.data(), sorted_key_.data(), ball_.data(), start_.data(), grid_.cells());
+}
+
+std::vector<KernelFacts> SortedCells::kernels() const {
+  return {kernel_facts("key_kernel", "broad", {1, threads_}, key_kernel),
+          kernel_facts("reorder_kernel", "broad", {1, threads_}, reorder_kernel)};
 }
 
 std::int64_t SortedCells::bytes() const { return workspace(grid_, n_) + sort_.bytes(); }

@@ -26,6 +26,7 @@ class SortedCells {
   void build(BallsView in, ContactsView out, Stream& stream);
   CellOrderView view() const { return {grid_, n_, ball_.data(), number_.data(), start_.data()}; }
   std::int64_t bytes() const;
+  std::vector<KernelFacts> kernels() const;
 
  private:
   Grid grid_;

@@ -1,10 +1,7 @@
 // sorted_grid: not in the paper; what a fair reader wants beside its methods where radii are unequal. Sorted by the cell of
 // the centre like sdk_sort, but the cell is free of the radii: ball i searches as many cells as ri + rmax reaches.
 // Small cells then waste little, and a small ball reads less than a large one.
-#include "kernels/ball_search.h"
-#include "kernels/detection.h"
-#include "kernels/planning.h"
-#include "kernels/sorted_cells.h"
+#include "kernels/sorted_search.h"
 #include "kernels/variants.h"
 
 namespace touchstone {
@@ -28,44 +25,28 @@ __global__ void search_reach_kernel(CellOrderView cells, ContactsView out, float
   search.close(i, has_ball);
 }
 
-class SortedGrid : public Detector {
+class SortedGrid : public SortedSearch {
  public:
   SortedGrid(const PackingFacts& facts, const DetectorParams& params, Stream& stream)
-      : params_(chosen(facts, params)),
-        rmax_(facts.rmax),
-        lanes_(lanes_a_ball(facts.n)),
-        cells_("sorted_grid", make_grid(facts.centres, params_.cell), facts.n, params_.threads_broad, stream) {}
-
-  void detect(BallsView in, ContactsView out, Stream& stream) override {
-    if (in.n == 0) return clear_count(out, stream);
-    cells_.build(in, out, stream);
-    const int threads = params_.threads_narrow;
-    launch(stream, {blocks_for(in.n, threads / lanes_), threads, BallSearch::shared_bytes(out.form, threads, lanes_)},
-           search_reach_kernel, cells_.view(), out, rmax_, lanes_);
-  }
-
-  DetectorReport report(ContactsView out, Stream& stream) override { return report_output(out, stream); }
-  std::int64_t workspace_bytes() const override { return cells_.bytes(); }
-  DetectorParams params() const override { return params_; }
+      : SortedSearch("sorted_grid", make_grid(facts.centres, params.cell), facts, params, stream), rmax_(facts.rmax) {}
 
  private:
-  static DetectorParams chosen(const PackingFacts& facts, DetectorParams params) {
-    params.cell = cell_or(params.cell, 4 * facts.ravg);
-    params.threads_broad = threads_or("sorted_grid", params.threads_broad, 256);
-    params.threads_narrow = threads_or("sorted_grid", params.threads_narrow, 256);
-    return params;
+  void search(CellOrderView cells, ContactsView out, LaunchShape shape, int lanes, Stream& stream) override {
+    launch(stream, shape, search_reach_kernel, cells, out, rmax_, lanes);
+  }
+  KernelFacts search_facts(LaunchShape shape) const override {
+    return kernel_facts("search_reach_kernel", "narrow", shape, search_reach_kernel);
   }
 
-  DetectorParams params_;
   float rmax_;
-  int lanes_;
-  SortedCells cells_;
 };
 
 }  // namespace
 
 std::unique_ptr<Detector> make_sorted_grid(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
-  return std::make_unique<SortedGrid>(facts, params, stream);
+  DetectorParams settled = params;
+  settled.cell = cell_or(params.cell, 4 * facts.ravg);
+  return std::make_unique<SortedGrid>(facts, settled, stream);
 }
 
 }  // namespace touchstone

@@ -1,7 +1,9 @@
 # The kernels, listed once: nvcc compiles them for the GPU (kernels/), the C++ compiler for the double (kernels/emulated/).
 set(TOUCHSTONE_KERNEL_SOURCES
   built_for.cu
+  device_facts.cu
   fixed_bucket.cu
+  force_pass.cu
   multi_cell_paper.cu
   multi_cell_staged.cu
   primitives.cu

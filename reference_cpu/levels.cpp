@@ -40,7 +40,7 @@ std::int32_t LevelIndex::cell_of(const Ball& b) const {
 // The balls are dealt out to parts of the index first, in order; then each part is sorted by one thread. So no two threads
 // write to one cache line, a part's cells stay in the first-level cache, and the index is the same for any number of threads.
 void LevelIndex::build(BallsView in) {
-  #pragma omp parallel num_threads(threads_)
+#pragma omp parallel num_threads(threads_)
   {
     const std::int64_t thread = omp_get_thread_num(), team = omp_get_num_threads();
     const auto begin = static_cast<std::int32_t>(n_ * thread / team), end = static_cast<std::int32_t>(n_ * (thread + 1) / team);

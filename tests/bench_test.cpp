@@ -2,10 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <set>
+
 #include "bench/case_runner.h"
 #include "bench/detectors.h"
 #include "bench/machine.h"
+#include "bench/order.h"
 #include "bench/reporter.h"
+#include "bench/study.h"
 #include "bench/tuner.h"
 #include "tests/results_schema.h"
 #include "tests/run_program.h"
@@ -50,7 +55,7 @@ TEST(Verify, ASetThatDiffersIsNoticedAndNamed) {
 
 TEST(CaseRunner, TakesNineRepetitionsOfAVerifiedDetector) {
   PackingContext context(chain(20));
-  CaseRunner runner(serial_case(), {}, context, Profile::fast, {"dirty"});
+  CaseRunner runner(serial_case(), Tuning{}, context, Profile::fast, {"dirty"});
   for (int k = 0; k < kRepetitions; ++k) {
     EXPECT_FALSE(runner.complete());
     EXPECT_GT(runner.repetition_us(), 0);
@@ -95,7 +100,7 @@ TEST(Reporter, AFailedCaseIsNeverARow) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "t.json";
   ResultsFile file(path, Json::object());
-  Journal journal(folder.path() / "t.jsonl", false);
+  Journal journal(folder.path() / "t.jsonl");
   std::map<std::string, CaseRecord> records;
   for (const char* name : {"good", "bad", "stopped"})
     records[name] = {std::string("key ") + name, {{"detector", name}}, {{"n", 1}}, {1.0}};
@@ -118,10 +123,76 @@ TEST(Reporter, AFailedCaseIsNeverARow) {
   EXPECT_EQ(skipped[0]["code"], "mismatch");
   EXPECT_EQ(skipped[0]["message"], "3 missing");
 
-  const Journal reopened(folder.path() / "t.jsonl", false);
+  const Journal reopened(folder.path() / "t.jsonl");
   EXPECT_NE(reopened.find("key good"), nullptr);
   EXPECT_EQ(reopened.find("key bad"), nullptr);
   EXPECT_EQ(reopened.cases_with_prefix("key ").size(), 1u);
+}
+
+// Forty balls of several radii in a heap, so that orders differ and contacts abound.
+Packing heap() {
+  Packing p{"heap", {}, 0};
+  for (int i = 0; i < 40; ++i) {
+    const auto k = static_cast<float>(i * 7 % 40);
+    p.balls.push_back({0.9f * std::fmod(k, 4.0f), 0.8f * std::fmod(k, 3.0f), 0.25f * k, 0.6f + 0.01f * static_cast<float>(i)});
+  }
+  return p;
+}
+
+TEST(Order, IsAPermutationByWhichContactsFindTheirWayBack) {
+  const Packing p = heap();
+  const PackingFacts facts = facts_of(p.balls);
+  const Reference reference = make_reference(p.balls, facts);
+  ASSERT_GT(reference.contacts, 20);
+  for (const Order order : {Order::shuffled, Order::sorted, Order::as_settled}) {
+    SCOPED_TRACE(to_string(order));
+    const OrderedBalls ordered = in_order(p.balls, facts, order);
+    ASSERT_EQ(ordered.balls.size(), p.balls.size());
+    if (order == Order::as_settled) {
+      for (std::size_t k = 1; k < ordered.balls.size(); ++k) EXPECT_LE(ordered.balls[k - 1].z, ordered.balls[k].z);
+    }
+    for (std::size_t k = 0; k < ordered.number.size(); ++k) EXPECT_EQ(ordered.balls[k].z, p.balls[ordered.number[k]].z);
+    Stream stream(Place::host);
+    const Detection d = detect_completely(find_detector("serial_levels"), ordered.balls, facts, {}, OutputForm::pairs, stream);
+    EXPECT_EQ(mismatch(d, reference, stream, ordered.number), "");
+    if (order != Order::shuffled) {
+      EXPECT_NE(mismatch(d, reference, stream), "") << "numbers of the ordered balls are not the packing's";
+    }
+  }
+}
+
+TEST(CaseRunner, MeasuresBlindWithForcesInAnyOrder) {
+  PackingContext context(heap());
+  Case c = serial_case();
+  c.knowledge = Knowledge::blind;
+  c.then = Then::force;
+  c.order = Order::sorted;
+  CaseRunner runner(c, Tuning{}, context, Profile::fast, {});
+  while (!runner.complete()) EXPECT_GT(runner.repetition_us(), 0);
+  EXPECT_EQ(runner.measurement().contact_hash, context.reference().hash);
+}
+
+TEST(Verify, CountsOfAblationsAreJudged) {
+  const Packing p = heap();
+  const PackingFacts facts = facts_of(p.balls);
+  const Reference reference = make_reference(p.balls, facts);
+  Detection d;
+  d.report.contacts = reference.contacts;
+  EXPECT_EQ(count_mismatch(d, reference, Finds::count, p.balls, facts, 1.0), "");
+  EXPECT_NE(count_mismatch(d, reference, Finds::duplicates, p.balls, facts, 1.0), "");
+  EXPECT_EQ(count_mismatch(d, reference, Finds::duplicates, p.balls, facts, 100.0), "") << "one cell: no duplicates";
+  d.report.contacts += 1;
+  EXPECT_NE(count_mismatch(d, reference, Finds::count, p.balls, facts, 1.0), "");
+}
+
+TEST(Studies, NameEachCaseOnce) {
+  for (const StudyInfo& study : studies())
+    for (const Profile profile : {Profile::fast, Profile::full}) {
+      SCOPED_TRACE(study.name);
+      std::set<std::string> names;
+      for (Case& c : plan_study(study.name, {profile})) EXPECT_TRUE(names.insert(c.name()).second) << c.name();
+    }
+  EXPECT_FALSE(plan_study("figure7", {}).empty());
 }
 
 TEST(Timing, QuartilesInterpolate) {

@@ -116,16 +116,23 @@ TEST_F(Run, WritesAFileThatKeepsTheSchemaAndResumes) {
   EXPECT_THAT(second.err, HasSubstr("10 of 20 cases were measured before"));
   EXPECT_EQ(result()["benchmarks"].size(), 2 * entries);
   EXPECT_EQ(result()["benchmarks"][0], one["benchmarks"][0]) << "a case measured before must be kept as it was";
+
+  const Outcome fresh = bench("--packings n300 --fresh");
+  ASSERT_EQ(fresh.code, 0) << fresh.err;
+  EXPECT_EQ(result()["benchmarks"].size(), 2 * entries) << "what --fresh does not select stays";
+  EXPECT_NE(result()["benchmarks"][0], one["benchmarks"][0]) << "what it selects is measured again";
 }
 
 TEST_F(Run, DropsATornLastLineAndMeasuresItsCaseAgain) {
   ASSERT_EQ(bench("--packings n300").code, 0);
   const std::filesystem::path journal = out() / "table2.jsonl";
-  std::filesystem::resize_file(journal, std::filesystem::file_size(journal) - 40);
+  const std::string whole = file_text(journal);  // the last line says how the run ended; the one before is a case
+  std::filesystem::resize_file(journal, whole.rfind('\n', whole.size() - 2) - 40);
   const Outcome again = bench("--packings n300");
   EXPECT_EQ(again.code, 0) << again.err;
   EXPECT_THAT(again.err, HasSubstr("torn last line dropped"));
   EXPECT_THAT(again.err, HasSubstr("9 of 10 cases were measured before"));
+  EXPECT_THAT(result()["context"]["touchstone"]["run"]["why_not"].dump(), HasSubstr("which did not end"));
   EXPECT_THAT(SchemaCheck().faults(result()), IsEmpty());
 
   std::string text = file_text(journal);

@@ -27,12 +27,12 @@ struct ContactsView {
   OutputForm form = OutputForm::pairs;
   std::int32_t n = 0;  // balls
 
-  Pair* pair = nullptr;             // [pair_capacity]
+  Pair* pair = nullptr;  // [pair_capacity]
   std::int64_t pair_capacity = 0;
-  std::int64_t* count = nullptr;    // [1]
+  std::int64_t* count = nullptr;  // [1]
 
-  std::int32_t* length = nullptr;   // [n]
-  std::int32_t* slot = nullptr;     // [row_capacity * n], column-major: entry k of ball i is slot[k*n + i]
+  std::int32_t* length = nullptr;  // [n]
+  std::int32_t* slot = nullptr;    // [row_capacity * n], column-major: entry k of ball i is slot[k*n + i]
   std::int32_t row_capacity = 0;
 };
 
@@ -53,7 +53,8 @@ ContactList from_pairs(std::vector<Pair> pairs, std::int32_t n);
 
 // The same for `ball_lists`, which must hold both directions of each contact: `length` [n], `slot` [row_capacity*n].
 // Rows must not be over capacity. Throws std::logic_error that names the first ball whose row has no counterpart.
-ContactList from_ball_lists(const std::vector<std::int32_t>& length, const std::vector<std::int32_t>& slot, std::int32_t row_capacity);
+ContactList from_ball_lists(const std::vector<std::int32_t>& length, const std::vector<std::int32_t>& slot,
+                            std::int32_t row_capacity);
 
 // Difference of two sets, for messages: counts of both kinds and the first example of each.
 struct ContactDifference {

@@ -34,10 +34,22 @@ struct Overflow {
 
 // What detect() did, read after synchronising.
 struct DetectorReport {
+  std::int64_t cells = 0;     // of the grid that has buckets; 0 for other methods
   std::int64_t contacts = 0;  // true also past the output's capacity; a lower bound if `cell` overflowed
   Overflow cell, row, list;   // a cell's bucket, a ball's row, the pair list
   bool complete() const { return !cell.happened() && !row.happened() && !list.happened(); }
-  std::string text() const;   // one line for people
+  std::string text() const;  // one line for people
+};
+
+// A kernel as a detector launches it: what the paper's Table 3 lists. The double of the kernels knows neither registers nor
+// occupancy: zeros there.
+struct KernelFacts {
+  std::string name, phase;  // "narrow_phase_kernel", "broad" or "narrow"
+  int threads = 0;          // a block
+  std::int64_t static_shared_bytes = 0, dynamic_shared_bytes = 0;
+  int registers = 0;     // a thread
+  int blocks_an_sm = 0;  // resident at once
+  double occupancy = 0;  // resident warps over the most that a multiprocessor holds
 };
 
 class Detector {
@@ -52,8 +64,16 @@ class Detector {
   // State after the last detect() on `out`. Synchronises the stream.
   virtual DetectorReport report(ContactsView out, Stream& stream) = 0;
 
-  virtual std::int64_t workspace_bytes() const = 0;  // memory held by members
-  virtual DetectorParams params() const = 0;         // as used: defaults filled in
+  virtual std::int64_t workspace_bytes() const = 0;                          // memory held by members
+  virtual DetectorParams params() const = 0;                                 // as used: defaults filled in
+  virtual std::vector<KernelFacts> kernels(OutputForm) const { return {}; }  // its own, in order; not those of libraries
+};
+
+// What a detector's output holds. All but ablations give the contact set.
+enum class Finds {
+  contacts,   // the set, each contact once: compared pair by pair
+  count,      // the count alone is right; nothing is stored
+  duplicates  // each contact once for every cell that holds both its balls; nothing but the count is compared
 };
 
 // One row of a list of detectors. Tests, benchmarks, tuner and figures follow from the rows.
@@ -62,18 +82,26 @@ struct DetectorInfo {
   std::string_view layout;   // "paper", "staged", or ""
   std::string_view summary;  // one line for the README and `touchstone list`
   Place place;
-  bool free_cell;            // cell size is a parameter
-  double least_cell_rmax;    // refuses a cell below this many rmax; 0 if any cell will do
+  bool free_cell;                      // cell size is a parameter
+  double least_cell_rmax;              // refuses a cell below this many rmax; 0 if any cell will do
   bool threads_broad, threads_narrow;  // these are parameters
-  bool buckets;              // cell_capacity is a parameter and a cell may overflow
-  std::string_view known;    // what construction uses of PackingFacts: "box,rmax"
+  bool buckets;                        // cell_capacity is a parameter and a cell may overflow
+  std::string_view known;              // what construction uses of PackingFacts: "box,rmax"
   // Builds the detector; throws InputError for parameters it refuses (which, why, the least that would do).
   std::unique_ptr<Detector> (*make)(const PackingFacts& facts, const DetectorParams& params, Stream& stream);
+  Finds finds = Finds::contacts;
+  std::string_view ablation = "";  // what was taken out or turned round, for rows of gpu_ablations()
 
-  std::string label() const { return layout.empty() ? std::string(name) : std::string(name) + "/" + std::string(layout); }
+  std::string label() const {  // "multi_cell_bucket/paper", "multi_cell_bucket/paper/judge_off"
+    std::string text(name);
+    for (const std::string_view part : {layout, ablation})
+      if (!part.empty()) text += "/" + std::string(part);
+    return text;
+  }
 };
 
 std::span<const DetectorInfo> cpu_detectors();  // reference_cpu/detectors.cpp
 std::span<const DetectorInfo> gpu_detectors();  // kernels/detectors.cpp; only where the kernels are linked
+std::span<const DetectorInfo> gpu_ablations();  // the same; variants that answer one question each, never offered to users
 
 }  // namespace touchstone

@@ -12,13 +12,13 @@ struct InputError : std::runtime_error {
 
 enum ExitCode : int {
   kExitOk = 0,
-  kExitInternal = 1,     // a defect of ours, or of the machine
-  kExitInput = 2,        // bad input or bad command line
-  kExitMismatch = 3,     // a contact set differed from the reference
-  kExitPartial = 4,      // some cases were skipped; the others are saved
-  kExitNoGpu = 5,        // a GPU was asked for and none can be used
-  kExitNothingRan = 6,   // a filter or profile left nothing to do
-  kExitInterrupted = 130 // Ctrl-C; finished cases are saved
+  kExitInternal = 1,      // a defect of ours, or of the machine
+  kExitInput = 2,         // bad input or bad command line
+  kExitMismatch = 3,      // a contact set differed from the reference
+  kExitPartial = 4,       // some cases were skipped; the others are saved
+  kExitNoGpu = 5,         // a GPU was asked for and none can be used
+  kExitNothingRan = 6,    // a filter or profile left nothing to do
+  kExitInterrupted = 130  // Ctrl-C; finished cases are saved
 };
 
 }  // namespace touchstone

@@ -30,9 +30,7 @@ struct Grid {
   std::int32_t nx = 1, ny = 1, nz = 1;
 
   TOUCHSTONE_HD std::int64_t cells() const { return static_cast<std::int64_t>(nx) * ny * nz; }
-  TOUCHSTONE_HD std::int32_t cell_number(std::int32_t i, std::int32_t j, std::int32_t k) const {
-    return (k * ny + j) * nx + i;
-  }
+  TOUCHSTONE_HD std::int32_t cell_number(std::int32_t i, std::int32_t j, std::int32_t k) const { return (k * ny + j) * nx + i; }
 };
 
 // Cells lo..hi, both included, on each axis.

@@ -12,9 +12,9 @@
 namespace touchstone {
 
 struct Packing {
-  std::string name;            // "c4_n140063", or the file it came from
-  std::vector<Ball> balls;     // metres, float32, in the packing's own (random) numbering
-  std::uint64_t seed = 0;      // of the generator; 0 for a user's own file
+  std::string name;         // "c4_n140063", or the file it came from
+  std::vector<Ball> balls;  // metres, float32, in the packing's own (random) numbering
+  std::uint64_t seed = 0;   // of the generator; 0 for a user's own file
 
   BallsView view() const { return {balls.data(), static_cast<std::int32_t>(balls.size())}; }
 };

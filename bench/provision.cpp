@@ -1,0 +1,99 @@
+#include "bench/provision.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "bench/interrupt.h"
+#include "bench/tuner.h"
+#include "datasets/store.h"
+
+namespace touchstone {
+namespace {
+
+constexpr double kTuningSeconds = 2.5;  // of one detector and form, on a typical machine
+
+}  // namespace
+
+Provision::Provision(std::filesystem::path packing_folder, Profile profile, std::int32_t tuning_n, Journal& journal,
+                     std::string key_prefix)
+    : folder_(packing_folder.empty() ? default_packing_folder() : std::move(packing_folder)),
+      profile_(profile),
+      tuning_n_(tuning_n),
+      journal_(journal),
+      key_prefix_(std::move(key_prefix)) {}
+
+bool Provision::needs_tuning(const Case& c) const { return c.protocol == Protocol::best && tunable(*c.detector); }
+
+// One tuning for each detector, form of output and packing it is tuned on.
+std::string Provision::tuning_name(const Case& c) const {
+  return fmt::format("{}/{}/{}", c.detector->label(), to_string(c.output), name_of(tuning_spec(c.packing, profile_, tuning_n_)));
+}
+
+double Provision::estimated_seconds(const std::vector<Case>& cases) const {
+  std::set<std::string> packings, tunings;
+  double seconds = 0;
+  const auto count = [&](const PackingSpec& spec) {
+    const std::string name = name_of(spec);
+    if (packings.insert(name).second && !std::filesystem::exists(folder_ / (name + ".balls")))
+      seconds += estimated_packing_seconds(spec);
+  };
+  for (const Case& c : cases) {
+    count(c.packing);
+    if (!needs_tuning(c)) continue;
+    count(tuning_spec(c.packing, profile_, tuning_n_));
+    if (tunings.insert(tuning_name(c)).second) seconds += kTuningSeconds;
+  }
+  return seconds;
+}
+
+void Provision::provide(const std::vector<Case>& cases, bool fresh, Eta& eta) {
+  for (const Case& c : cases) load(c.packing, eta);
+  for (const Case& c : cases)
+    if (needs_tuning(c)) tune_for(c, fresh, eta);
+}
+
+Tuning Provision::tuning(const Case& c) const { return needs_tuning(c) ? tunings_.at(tuning_name(c)) : Tuning{}; }
+
+PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
+  std::unique_ptr<PackingContext>& context = packings_[name_of(spec)];
+  if (context) return *context;
+  const bool made = std::filesystem::exists(folder_ / (name_of(spec) + ".balls"));
+  const double seconds = made ? 0 : estimated_packing_seconds(spec);
+  const auto progress = [&](double share, std::string_view what) {
+    stop_if_interrupted();
+    eta.show(done_ + share * seconds, fmt::format("packing {}: {} {:.0f} %", name_of(spec), what, 100 * share));
+  };
+  stop_if_interrupted();
+  context = std::make_unique<PackingContext>(load_or_make(spec, folder_, progress));
+  done_ += seconds;
+  return *context;
+}
+
+// Kept in the journal like a case.
+void Provision::tune_for(const Case& c, bool fresh, Eta& eta) {
+  const std::string name = tuning_name(c);
+  if (tunings_.count(name)) return;
+  stop_if_interrupted();
+  PackingContext& context = load(tuning_spec(c.packing, profile_, tuning_n_), eta);
+  const std::string key = key_prefix_ + "tuning|" + name + "|" + hex64(packing_hash(context.packing.balls));
+  if (const Json* line = fresh ? nullptr : journal_.find(key)) {
+    const Json& t = (*line)["tuning"];
+    tunings_[name] = {t["cell_ravg"], t["cell_rmax"], t["threads_broad"], t["threads_narrow"], t["tuned_on"]};
+  } else {
+    eta.show(done_, fmt::format("tuning {}", name));
+    Stream stream(c.detector->place);
+    const Tuning t = tune(*c.detector, c.output, context.packing, context.facts, context.reference(), stream,
+                          [](const std::string&) { stop_if_interrupted(); });
+    tunings_[name] = t;
+    journal_.append(key, {{"tuning",
+                           {{"cell_ravg", t.cell_ravg},
+                            {"cell_rmax", t.cell_rmax},
+                            {"threads_broad", t.threads_broad},
+                            {"threads_narrow", t.threads_narrow},
+                            {"tuned_on", t.tuned_on}}}});
+  }
+  done_ += kTuningSeconds;
+}
+
+}  // namespace touchstone

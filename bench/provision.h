@@ -1,0 +1,48 @@
+// What cases need before they run: their packings, and for Protocol::best a tuning made on another packing.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/case_runner.h"
+#include "bench/eta.h"
+#include "bench/journal.h"
+
+namespace touchstone {
+
+class Provision {
+ public:
+  // `journal` keeps tunings under keys that start with `key_prefix`.
+  Provision(std::filesystem::path packing_folder, Profile profile, std::int32_t tuning_n, Journal& journal,
+            std::string key_prefix);
+
+  // Seconds that provide() will take, roughly: packings not yet in the folder, and tunings.
+  double estimated_seconds(const std::vector<Case>& cases) const;
+
+  // Makes or loads the packings, then tunes. `fresh` tunes again what the journal holds. Throws Interrupted.
+  void provide(const std::vector<Case>& cases, bool fresh, Eta& eta);
+
+  PackingContext& context(const Case& c) const { return *packings_.at(name_of(c.packing)); }
+  Tuning tuning(const Case& c) const;  // nothing for protocols that need none
+  double done_seconds() const { return done_; }
+
+ private:
+  bool needs_tuning(const Case& c) const;
+  std::string tuning_name(const Case& c) const;
+  PackingContext& load(const PackingSpec& spec, Eta& eta);
+  void tune_for(const Case& c, bool fresh, Eta& eta);
+
+  std::filesystem::path folder_;
+  Profile profile_;
+  std::int32_t tuning_n_;
+  Journal& journal_;
+  std::string key_prefix_;
+  std::map<std::string, std::unique_ptr<PackingContext>> packings_;
+  std::map<std::string, Tuning> tunings_;
+  double done_ = 0;
+};
+
+}  // namespace touchstone
