@@ -11,7 +11,6 @@ namespace touchstone {
 namespace {
 
 constexpr double kPaperCell = 0.01;                                 // m; Table 2
-constexpr int kPaperThreadsBroad = 256, kPaperThreadsNarrow = 128;  // Figure 9
 
 double round_cm(double metres) { return std::round(metres * 1e8) / 1e6; }
 
@@ -73,6 +72,7 @@ double cell_of(const Tuning& tuning, const PackingFacts& facts) {
 DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning& tuning) {
   const DetectorInfo& info = *c.detector;
   const double least = info.least_cell_rmax * facts.rmax;
+  if (c.protocol == Protocol::given) return c.given;
   DetectorParams p;
   p.cell_capacity = c.given.cell_capacity;
   if (c.protocol == Protocol::best) {
@@ -81,13 +81,12 @@ DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning&
     p.threads_narrow = tuning.threads_narrow;
     return p;
   }
-  if (c.protocol == Protocol::given) p = c.given;
-  if (info.free_cell && p.cell == 0) {
+  if (info.free_cell) {
     const double rule = (on_gpu(info) ? 4 : 2) * facts.ravg;
     p.cell = std::max(c.protocol == Protocol::paper ? kPaperCell : rule, least);
   }
-  if (info.threads_broad && p.threads_broad == 0) p.threads_broad = kPaperThreadsBroad;
-  if (info.threads_narrow && p.threads_narrow == 0) p.threads_narrow = kPaperThreadsNarrow;
+  if (info.threads_broad) p.threads_broad = kPaperThreadsBroad;
+  if (info.threads_narrow) p.threads_narrow = kPaperThreadsNarrow;
   return p;
 }
 

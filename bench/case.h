@@ -19,7 +19,7 @@ enum class Protocol {
   paper,  // the paper's: cell 1 cm (or the least the detector takes), threads 256 and 128
   best,   // the detector's best cell and threads, tuned on another seed
   rule,   // the paper's equations: cell 2 ravg on the CPU (eq. 3), 4 ravg on the GPU (eq. 4); threads as in `paper`
-  given   // cell and threads are an axis of the study: Case::given, with threads as in `paper` where they are zero
+  given   // Case::given, zeros meaning the detector's own: cell and threads are an axis of the study, or the user's
 };
 std::string_view to_string(Protocol protocol);
 
@@ -60,6 +60,9 @@ struct Case {
   // not at their default follow: "…/cell_0.75cm/64x128/sorted/blind/force".
   std::string name() const;
 };
+
+// Threads a block that the paper found best (Figure 9) and this suite takes for its Table 2.
+inline constexpr int kPaperThreadsBroad = 256, kPaperThreadsNarrow = 128;
 
 // What the detector is built with, for a packing's facts. `tuning` is used by Protocol::best only.
 DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning& tuning);

@@ -51,7 +51,9 @@ Measurement measure(const DetectorInfo& info, const DetectorParams& params, Outp
   c.output = output;
   c.launch = launch;
   c.cache = cache;
-  CaseRunner runner(c, params, context, Profile::fast, {});
+  c.protocol = Protocol::given;
+  c.given = params;
+  CaseRunner runner(c, {}, context, Profile::fast, {});
   while (!runner.complete()) runner.repetition_us();
   return runner.measurement();
 }

@@ -33,10 +33,8 @@ std::vector<Case> plan_equations(Profile profile) {
       if (info->name != "multi_cell_bucket" && info->name != "serial_multi_cell") continue;
       for (int k = 0; k < kCells; ++k) {
         const double factor = kLeastRavg * std::pow(kMostRavg / kLeastRavg, k / (kCells - 1.0));
-        Case c = case_of(Protocol::given, info, spec);
-        c.given.cell = 1e-6 * std::round(1e6 * factor * ravg);  // whole micrometres: names stay readable
-        c.budget_s = kSweepSeconds;
-        cases.push_back(c);
+        const double cell = 1e-6 * std::round(1e6 * factor * ravg);  // whole micrometres: names stay readable
+        cases.push_back(at_cell(info, spec, cell, kSweepSeconds));
       }
     }
   }

@@ -28,6 +28,16 @@ inline Case case_of(Protocol protocol, const DetectorInfo* info, const PackingSp
   return c;
 }
 
+// A case of one point of a sweep: cell in metres, threads as in the paper.
+inline Case at_cell(const DetectorInfo* info, const PackingSpec& packing, double cell, double budget_s) {
+  Case c = case_of(Protocol::given, info, packing);
+  c.given.cell = cell;
+  if (info->threads_broad) c.given.threads_broad = kPaperThreadsBroad;
+  if (info->threads_narrow) c.given.threads_narrow = kPaperThreadsNarrow;
+  c.budget_s = budget_s;
+  return c;
+}
+
 // A settled bed of Table 1's mixture, or another.
 inline PackingSpec bed(std::int32_t n, double cell_factor) {
   PackingSpec spec;

@@ -19,10 +19,7 @@ std::vector<Case> cell_sweep(Profile profile, Place place) {
       if (info->place != place || !info->free_cell) continue;
       for (const double cell_cm : kCellsCm) {
         if (0.01 * cell_cm < info->least_cell_rmax * rmax) continue;  // it would refuse
-        Case c = case_of(Protocol::given, info, spec);
-        c.given.cell = 0.01 * cell_cm;
-        c.budget_s = kSweepSeconds;
-        cases.push_back(c);
+        cases.push_back(at_cell(info, spec, 0.01 * cell_cm, kSweepSeconds));
       }
     }
   }
