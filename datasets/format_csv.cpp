@@ -15,9 +15,9 @@ std::pair<std::string_view, double> name_and_unit(std::string_view column) {
   return {column, 1};
 }
 
-BallColumns columns_of_header(const std::vector<std::string_view>& header, const TextLines& lines) {
+ColumnPlaces columns_of_header(const std::vector<std::string_view>& header, const TextLines& lines) {
   constexpr std::string_view kNames[4] = {"x", "y", "z", "radius"};
-  BallColumns where;
+  ColumnPlaces where;
   for (int k = 0; k < 4; ++k) {
     bool found = false;
     for (std::size_t c = 0; c < header.size(); ++c) {
@@ -52,7 +52,7 @@ std::vector<Ball> parse_csv(std::string_view text, const std::string& where) {
   lines.next(line);
   split(line, ',', columns, lines);
   const std::size_t expected = columns.size();
-  const BallColumns at = columns_of_header(columns, lines);
+  const ColumnPlaces at = columns_of_header(columns, lines);
   std::vector<Ball> balls;
   while (lines.next(line)) {
     if (line.empty() && lines.bytes_left() == 0) break;

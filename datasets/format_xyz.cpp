@@ -27,13 +27,13 @@ double unit_of(std::string_view word, const TextLines& lines) {
 }
 
 // Properties=name:type:columns:… says which columns there are; `width` becomes their number.
-BallColumns columns_of_properties(std::string_view comment, std::size_t& width, const TextLines& lines) {
+ColumnPlaces columns_of_properties(std::string_view comment, std::size_t& width, const TextLines& lines) {
   const std::string_view properties = value_of_key(comment, "Properties");
   std::vector<std::string_view> words;
   split(properties, ':', words, lines);
   if (properties.empty() || words.size() % 3 != 0)
     lines.fail("no radius column; this line must say Properties=...:pos:R:3:...:radius:R:1 (extended XYZ)");
-  BallColumns where;
+  ColumnPlaces where;
   bool position = false, radius = false;
   width = 0;
   for (std::size_t p = 0; p < words.size(); p += 3) {
@@ -81,7 +81,7 @@ std::vector<Ball> parse_xyz(std::string_view text, const std::string& where) {
     lines.fail(fmt::format("\"{}\" is not a number of balls above zero", shown(line)));
   if (!lines.next(line)) lines.fail("the file ends here; a line with Properties=... must follow");
   std::size_t width = 0;
-  const BallColumns at = columns_of_properties(line, width, lines);
+  const ColumnPlaces at = columns_of_properties(line, width, lines);
   // "0 0 0 1" is the shortest line there is, so a count the bytes cannot hold is known before any memory is taken.
   if (count > (lines.bytes_left() + 1) / 8)
     throw InputError(fmt::format("{}: line 1: {} balls, but only {} bytes follow the header", where, count, lines.bytes_left()));

@@ -87,12 +87,12 @@ inline float length(std::string_view word, double unit, const char* what, const 
 }
 
 // Where in a line the four numbers stand, and their units.
-struct BallColumns {
+struct ColumnPlaces {
   std::size_t at[4] = {};
   double unit[4] = {1, 1, 1, 1};
 };
 
-inline Ball ball_of(const std::vector<std::string_view>& columns, const BallColumns& where, std::size_t expected,
+inline Ball ball_of(const std::vector<std::string_view>& columns, const ColumnPlaces& where, std::size_t expected,
                     const TextLines& lines) {
   if (columns.size() != expected) lines.fail(fmt::format("{} columns, {} expected", columns.size(), expected));
   constexpr const char* kNames[4] = {"x", "y", "z", "radius"};
