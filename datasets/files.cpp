@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <thread>
 
 #include "touchstone/error.h"
 
@@ -62,13 +64,20 @@ std::string read_whole(const std::filesystem::path& path) {
   return bytes;
 }
 
-FileLock::FileLock(const std::filesystem::path& path) : file_(::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
+FileLock::FileLock(const std::filesystem::path& path, const std::function<void()>& busy)
+    : file_(::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
   if (file_ < 0) fail(path, "opened as a lock");
-  while (::flock(file_, LOCK_EX) != 0)
-    if (errno != EINTR) {
-      ::close(file_);
-      fail(path, "locked");
+  try {
+    while (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      if (errno == EINTR) continue;
+      if (errno != EWOULDBLOCK) fail(path, "locked");
+      busy();
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
 }
 
 FileLock::~FileLock() { ::close(file_); }

@@ -4,21 +4,19 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
+#include <functional>
 
 #include "datasets/files.h"
 #include "datasets/loose.h"
 #include "datasets/settle.h"
 #include "datasets/validity.h"
 #include "touchstone/error.h"
+#include "touchstone/hex.h"
 
 namespace touchstone {
 
 namespace {
-
-std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::optional<CachedPacking> read_meta(const std::filesystem::path& path) {
   try {
@@ -42,13 +40,14 @@ std::filesystem::path file_of(const std::filesystem::path& folder, const std::st
   return folder / (name + extension);
 }
 
-// What is cached for this spec and can be trusted; says on stderr why something cannot.
-std::optional<Packing> load(const PackingSpec& spec, const std::filesystem::path& folder) {
+// What is cached for this spec and can be trusted. `why_not` tells why something cannot; "" if there is nothing.
+std::optional<Packing> load(const PackingSpec& spec, const std::filesystem::path& folder, std::string& why_not) {
+  why_not.clear();
   const std::string name = name_of(spec);
   const auto bytes_path = file_of(folder, name, ".balls"), meta_path = file_of(folder, name, ".json");
   if (!std::filesystem::exists(bytes_path) && !std::filesystem::exists(meta_path)) return std::nullopt;
   const auto damaged = [&](const char* why) {
-    std::fprintf(stderr, "%s: %s; made anew\n", bytes_path.c_str(), why);
+    why_not = fmt::format("{}: {}", bytes_path.string(), why);
     return std::nullopt;
   };
   const std::optional<CachedPacking> meta = read_meta(meta_path);
@@ -60,8 +59,17 @@ std::optional<Packing> load(const PackingSpec& spec, const std::filesystem::path
   if (bytes.size() != static_cast<std::size_t>(spec.n) * sizeof(Ball)) return damaged("has the wrong size");
   Packing packing{name, std::vector<Ball>(static_cast<std::size_t>(spec.n)), spec.seed};
   std::memcpy(packing.balls.data(), bytes.data(), bytes.size());
-  if (hash_text(packing_hash(packing.balls)) != meta->hash) return damaged("damaged (its hash differs)");
+  if (hex64(packing_hash(packing.balls)) != meta->hash) return damaged("damaged (its hash differs)");
   return packing;
+}
+
+// For FileLock: two processes don't make the same packing twice. Says once who is waited for; `progress` may throw to stop.
+std::function<void()> wait_for_maker(const std::string& name, const std::filesystem::path& folder, const Progress& progress) {
+  return [&name, &folder, &progress, said = false]() mutable {
+    if (!said) fmt::print(stderr, "{}: another process makes {}; waiting for it\n", folder.string(), name);
+    said = true;
+    if (progress) progress(0, "waiting for another process");
+  };
 }
 
 std::string bytes_of(const Packing& packing) {
@@ -71,13 +79,18 @@ std::string bytes_of(const Packing& packing) {
 }  // namespace
 
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress) {
+  // Files are replaced whole, so a look needs no lock: a complete cache may be read-only.
+  std::string why_not;
+  if (std::optional<Packing> cached = load(spec, folder, why_not)) return *std::move(cached);
+
   std::error_code status;
   std::filesystem::create_directories(folder, status);
   if (!std::filesystem::is_directory(folder))
     throw InputError(fmt::format("{}: cannot be made a folder for packings", folder.string()));
   const std::string name = name_of(spec);
-  const FileLock lock(file_of(folder, name, ".lock"));  // two processes don't make the same packing twice
-  if (std::optional<Packing> cached = load(spec, folder)) return *std::move(cached);
+  const FileLock lock(file_of(folder, name, ".lock"), wait_for_maker(name, folder, progress));
+  if (std::optional<Packing> cached = load(spec, folder, why_not)) return *std::move(cached);  // another process made it
+  if (!why_not.empty()) fmt::print(stderr, "{}; made anew\n", why_not);
 
   const auto start = std::chrono::steady_clock::now();
   nlohmann::json meta{{"spec", to_string(spec)}, {"generator_version", kGeneratorVersion}, {"n", spec.n}};
@@ -93,20 +106,13 @@ Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folde
     meta["settling"] = {{"steps", state.steps}, {"time_s", state.time_s}};
   }
   validate(packing.balls, name);
-  meta["packing_hash"] = hash_text(packing_hash(packing.balls));
+  meta["packing_hash"] = hex64(packing_hash(packing.balls));
   meta["made_in_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   // Bytes first: a .balls without a fitting .json is made anew, never trusted.
   write_atomically(file_of(folder, name, ".balls"), bytes_of(packing));
   write_atomically(file_of(folder, name, ".json"), meta.dump(2) + "\n");
   return packing;
 }
-
-std::filesystem::path default_packing_folder() {
-  if (const char* folder = std::getenv("TOUCHSTONE_PACKINGS"); folder && *folder) return folder;
-  return std::filesystem::path(TOUCHSTONE_SOURCE_DIR) / "build" / "packings";
-}
-
-std::filesystem::path spec_folder() { return std::filesystem::path(TOUCHSTONE_SOURCE_DIR) / "datasets" / "specs"; }
 
 std::vector<CachedPacking> list_cached(const std::filesystem::path& folder) {
   std::vector<CachedPacking> found;
@@ -121,7 +127,7 @@ std::vector<CachedPacking> list_cached(const std::filesystem::path& folder) {
 std::optional<CachedPacking> cached_meta(const std::filesystem::path& balls_file, std::uint64_t hash) {
   if (balls_file.extension() != ".balls") return std::nullopt;
   std::optional<CachedPacking> cached = read_meta(beside(balls_file, ".json"));
-  if (cached && cached->hash != hash_text(hash)) return std::nullopt;
+  if (cached && cached->hash != hex64(hash)) return std::nullopt;
   return cached;
 }
 

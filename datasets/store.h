@@ -8,14 +8,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datasets/source_tree.h"
 #include "datasets/spec.h"
 #include "touchstone/packing.h"
 #include "touchstone/progress.h"
 
 namespace touchstone {
 
-// The packing from the cache if spec, generator version and hash of the bytes agree; else made (validity checked, an
-// invalid one is an error), written atomically, and returned. A damaged file is said on stderr and made anew.
+// The packing from the cache if spec, generator version and hash of the bytes agree (a complete cache may be read-only); else
+// made (validity checked, an invalid one is an error), written atomically, and returned. A damaged file is said on stderr and
+// made anew. Waits while another process makes the same packing: said on stderr, and `progress` is called, so it can stop the
+// wait.
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress = {});
 
 // Changes whenever the bytes made from a spec change: older cached packings are then made anew.
@@ -34,11 +37,5 @@ std::vector<CachedPacking> list_cached(const std::filesystem::path& folder);
 
 // The .json that belongs to `balls_file` (a .balls file), if there is one and its hash is that of these balls.
 std::optional<CachedPacking> cached_meta(const std::filesystem::path& balls_file, std::uint64_t hash);
-
-// datasets/specs of the source tree this was built from.
-std::filesystem::path spec_folder();
-
-// $TOUCHSTONE_PACKINGS, else build/packings below the source tree this was built from.
-std::filesystem::path default_packing_folder();
 
 }  // namespace touchstone

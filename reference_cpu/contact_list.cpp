@@ -11,8 +11,6 @@ namespace touchstone {
 
 std::string_view to_string(OutputForm form) { return form == OutputForm::pairs ? "pairs" : "ball_lists"; }
 
-std::string hex64(std::uint64_t value) { return fmt::format("{:016x}", value); }
-
 std::uint64_t ContactList::hash() const {
   std::uint64_t sum = 0;
   for (const Pair& p : pairs) sum += contact_hash_term(p.i, p.j);

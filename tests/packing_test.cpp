@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <numbers>
 #include <set>
 
@@ -120,6 +121,30 @@ TEST_F(Store, IsUsed) {
   ASSERT_EQ(cached.size(), 1u);
   EXPECT_EQ(cached[0].name, "c2.5_n200_cube_loose60");
   EXPECT_EQ(cached[0].n, 200);
+}
+
+TEST_F(Store, LooksWithoutALock) {
+  std::filesystem::remove(file(".lock"));
+  EXPECT_EQ(ask_again(), "");
+  EXPECT_FALSE(std::filesystem::exists(file(".lock"))) << "a complete cache must do in a folder that is read-only";
+  const FileLock other(file(".lock"), [] {});
+  EXPECT_EQ(ask_again(), "") << "a complete cache must do while another process holds the lock";
+}
+
+TEST_F(Store, WaitsForAnotherMakerAndCanBeStopped) {
+  std::filesystem::remove(file(".json"));
+  auto other = std::make_unique<FileLock>(file(".lock"), [] {});
+  ::testing::internal::CaptureStderr();
+  int calls = 0;
+  const auto stop = [&](double, std::string_view) {
+    if (++calls == 3) throw Interrupted();
+  };
+  EXPECT_THROW(load_or_make(spec_, folder_, stop), Interrupted);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            folder_.string() + ": another process makes " + name_of(spec_) + "; waiting for it\n");
+  const auto release = [&](double, std::string_view) { other.reset(); };
+  EXPECT_EQ(packing_hash(load_or_make(spec_, folder_, release).balls), first_);
+  EXPECT_EQ(ask_again(), "") << "it was made once the lock was free";
 }
 
 TEST_F(Store, NoticesAChangedByte) {

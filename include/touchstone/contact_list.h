@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "touchstone/hex.h"
+
 namespace touchstone {
 
 // One contact, i < j in the packing's numbering.
@@ -43,9 +45,6 @@ struct ContactList {
   std::int64_t count() const { return static_cast<std::int64_t>(pairs.size()); }
   std::uint64_t hash() const;  // design.md, contact_hash
 };
-
-// 16 hex digits, as results carry hashes.
-std::string hex64(std::uint64_t value);
 
 // Sorts pairs as a detector wrote them (`pairs` form) and judges their shape. Throws std::logic_error that names the first
 // entry with i >= j, an index outside 0..n-1, or a duplicate: a detector that wrote it is wrong.
