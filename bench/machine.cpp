@@ -78,25 +78,19 @@ Json source_json() {
   j["version"] = build_info::kVersion;
   j["commit"] = source_info::kCommit;
   j["dirty"] = source_info::kDirty;
-  j["changes"] = or_null(source_info::kChanges);
+  j["content_hash"] = source_info::kContentHash;
   if (const char* stated = std::getenv("TOUCHSTONE_SOURCE_COMMIT"); stated && *stated) {
     std::string commit = stated;
     const bool dirty = commit.ends_with("-dirty");
     if (dirty) commit.resize(commit.size() - 6);
     j["commit"] = commit;
     j["dirty"] = dirty;
-    j["changes"] = nullptr;
     j["stated"] = true;  // by the environment, not read from a repository
   }
   return j;
 }
 
-std::string source_key() {
-  const Json j = source_json();
-  std::string key = j["commit"].get<std::string>();
-  if (j["dirty"].get<bool>()) key += "-" + (j["changes"].is_null() ? std::string("dirty") : j["changes"].get<std::string>());
-  return key;
-}
+std::string source_key() { return fmt::format("{}-{}", source_info::kContentHash, source_info::kBuildHash); }
 
 Json build_json() {
   Json j;
@@ -161,7 +155,7 @@ std::vector<std::string> run_flags(const Json& source, const Json& host, const J
     flags.push_back("governor_unknown");
   else if (host["governor"] != "performance")
     flags.push_back("governor_" + host["governor"].get<std::string>());
-  // Each runnable task more than a core each disturbs; on one core of many it does not.
+  // Other tasks than ours take cores from the detectors that use all: half of them is a disturbance, one of many is not.
   if (load_1min() > 0.5 * host["cores"].get<double>()) flags.push_back("load");
   if (device.is_object() && device["persistence"] == false) flags.push_back("persistence_off");
   return flags;

@@ -14,9 +14,12 @@ std::string slug(std::string_view text);
 // The folder of this machine's results: the GPU's slug, or "cpu-" and the CPU model's.
 std::string machine_slug();
 
-// version, commit, dirty, changes. $TOUCHSTONE_SOURCE_COMMIT ("<sha>" or "<sha>-dirty") overrides for trees without .git.
+// version, commit, dirty, content_hash (of the measured files' contents). $TOUCHSTONE_SOURCE_COMMIT ("<sha>" or "<sha>-dirty")
+// overrides commit and dirty, for trees without .git; never the hash.
 Json source_json();
-std::string source_key();  // one word that changes whenever the measured source does
+
+// One word that changes whenever the contents of the measured files, the compilers, their flags or the build's options do.
+std::string source_key();
 
 Json build_json();
 
