@@ -31,6 +31,9 @@ int guarded(const char* program, Body body) {
   } catch (const InputError& e) {
     fmt::print(stderr, "{}: {}\n", program, e.what());
     return kExitInput;
+  } catch (const NoGpuError& e) {
+    fmt::print(stderr, "{}: {}\n", program, e.what());
+    return kExitNoGpu;
   } catch (const Interrupted&) {
     return kExitInterrupted;
   } catch (const std::exception& e) {

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <regex>
 
+#include "build_info.h"
 #include "kernels/device.h"
 #include "touchstone/error.h"
 
@@ -30,8 +32,9 @@ int distance(std::string_view a, std::string_view b) {
 
 std::vector<std::string> nearest_labels(std::string_view wanted) {
   std::vector<std::pair<int, std::string>> ranked;
-  for (const DetectorInfo* info : all_detectors())
-    ranked.emplace_back(std::min(distance(wanted, info->label()), distance(wanted, info->name)), info->label());
+  for (const auto rows : {cpu_detectors(), gpu_detectors()})  // also those that cannot run here: the name may just be misspelt
+    for (const DetectorInfo& info : rows)
+      ranked.emplace_back(std::min(distance(wanted, info.label()), distance(wanted, info.name)), info.label());
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::string> labels;
   for (std::size_t k = 0; k < ranked.size() && k < 3; ++k) labels.push_back(ranked[k].second);
@@ -55,7 +58,7 @@ std::string why_no_gpu() {
   if (status != cudaSuccess) return fmt::format("no usable GPU: {}", cudaGetErrorString(status));
   return n > 0 ? "" : "no usable GPU: the driver lists none";
 #else
-  return "no GPU kernels in this build: no nvcc (CUDA toolkit 12 or later) was found when it was configured";
+  return fmt::format("no GPU kernels in this build: {}", build_info::kWhyNoKernels);
 #endif
 }
 
@@ -79,6 +82,7 @@ std::vector<const DetectorInfo*> all_ablations() {
 }
 
 const DetectorInfo& find_detector(std::string_view label) {
+  const auto is_asked = [label](const DetectorInfo& info) { return info.label() == label || info.name == label; };
   std::vector<const DetectorInfo*> same_name;
   for (const DetectorInfo* info : all_detectors()) {
     if (info->label() == label) return *info;
@@ -90,8 +94,17 @@ const DetectorInfo& find_detector(std::string_view label) {
     for (const DetectorInfo* info : same_name) labels.push_back(info->label());
     throw InputError(fmt::format("detector '{}' has several layouts: say {}", label, fmt::join(labels, " or ")));
   }
-  throw InputError(fmt::format("unknown detector '{}': near are {}{}", label, fmt::join(nearest_labels(label), ", "),
-                               gpu_usable() ? "" : fmt::format(" ({})", why_no_gpu())));
+  if (std::ranges::any_of(gpu_detectors(), is_asked))
+    throw NoGpuError(fmt::format("detector '{}' runs on a GPU: {}", label, why_no_gpu()));
+  throw InputError(fmt::format("unknown detector '{}': near are {}", label, fmt::join(nearest_labels(label), ", ")));
+}
+
+void require_gpu_if_only_gpu(const std::string& pattern) {
+  if (gpu_usable()) return;
+  const std::regex labels(pattern);
+  const auto is_found = [&labels](const DetectorInfo& info) { return std::regex_search(info.label(), labels); };
+  if (std::ranges::any_of(gpu_detectors(), is_found) && std::ranges::none_of(cpu_detectors(), is_found))
+    throw NoGpuError(fmt::format("'{}' finds GPU detectors only: {}", pattern, why_no_gpu()));
 }
 
 }  // namespace touchstone

@@ -22,10 +22,15 @@ std::vector<const DetectorInfo*> all_detectors();
 std::vector<const DetectorInfo*> all_ablations();
 
 // The row with this label ("multi_cell_bucket/paper"; a name without layout does if only one row has it).
-// Throws InputError: unknown, with the nearest labels; or a name with several layouts, with these.
+// Throws InputError: unknown, with the nearest labels; or a name with several layouts, with these. Throws NoGpuError for a GPU
+// detector where none can be used.
 const DetectorInfo& find_detector(std::string_view label);
 
-// A detector for the given place and facts: a convenience over info.place.
+// Throws NoGpuError if `pattern` (a regular expression, searched in labels) finds GPU detectors, no CPU detector, and no GPU can
+// be used: then "nothing to do" would be half the truth.
+void require_gpu_if_only_gpu(const std::string& pattern);
+
+// True if the detector runs on the GPU.
 inline bool on_gpu(const DetectorInfo& info) { return info.place == Place::device; }
 
 }  // namespace touchstone

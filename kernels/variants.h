@@ -5,7 +5,14 @@
 
 namespace touchstone {
 
+#if defined(TOUCHSTONE_NO_KERNELS)
+// A build without kernels still knows the rows, to say what is missing: every factory is a null pointer there.
+struct DetectorFactory {
+  constexpr operator decltype(DetectorInfo::make)() const { return nullptr; }
+};
+#else
 using DetectorFactory = std::unique_ptr<Detector>(const PackingFacts& facts, const DetectorParams& params, Stream& stream);
+#endif
 
 DetectorFactory make_sdk_sort;
 DetectorFactory make_fixed_bucket;

@@ -7,6 +7,7 @@
 
 #include "bench/case_runner.h"
 #include "bench/detectors.h"
+#include "bench/expected.h"
 #include "bench/machine.h"
 #include "bench/order.h"
 #include "bench/reporter.h"
@@ -210,6 +211,47 @@ TEST(Detectors, AnUnknownNameListsNearOnes) {
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("serial_levels"));
   }
+}
+
+TEST(Detectors, AGpuDetectorIsKnownWhereItCannotRun) {
+  if (gpu_usable()) GTEST_SKIP() << "it can run here";
+  EXPECT_THROW(find_detector("sdk_sort"), NoGpuError);
+  EXPECT_THROW(find_detector("multi_cell_bucket/staged"), NoGpuError);
+  EXPECT_THROW(require_gpu_if_only_gpu("sdk|staged"), NoGpuError);
+  EXPECT_NO_THROW(require_gpu_if_only_gpu("sdk|serial"));
+  EXPECT_NO_THROW(require_gpu_if_only_gpu("no such detector"));
+  for (const DetectorInfo* info : all_detectors()) EXPECT_NE(info->make, nullptr) << info->label();
+}
+
+// The tree whose results/expected.json is read; what was set before comes back.
+class SourceTree {
+ public:
+  explicit SourceTree(const std::filesystem::path& path) {
+    if (const char* before = std::getenv("TOUCHSTONE_SOURCE_DIR")) before_ = before;
+    ::setenv("TOUCHSTONE_SOURCE_DIR", path.c_str(), 1);
+  }
+  ~SourceTree() { before_.empty() ? ::unsetenv("TOUCHSTONE_SOURCE_DIR") : ::setenv("TOUCHSTONE_SOURCE_DIR", before_.c_str(), 1); }
+  SourceTree(const SourceTree&) = delete;
+  SourceTree& operator=(const SourceTree&) = delete;
+
+ private:
+  std::string before_;
+};
+
+TEST(Expected, APackingOfAnotherHashIsNamed) {
+  const TemporaryFolder folder;
+  const SourceTree tree(folder.path());
+  EXPECT_THAT(expected_objection("chain", 1), HasSubstr("cannot be compared")) << "no list at all";
+  testing::write_text(folder.path() / "results/expected.json",
+                      R"({"packings": {"chain": {"packing_hash": "00000000000000ff"}}})");
+  EXPECT_EQ(expected_objection("chain", 255), "");
+  EXPECT_EQ(expected_objection("another", 1), "");
+  EXPECT_THAT(expected_objection("chain", 254),
+              HasSubstr("packing chain has hash 00000000000000fe, expected is 00000000000000ff"));
+  testing::write_text(folder.path() / "results/expected.json", R"({"packings": {"chain": {}}})");
+  EXPECT_THAT(expected_objection("chain", 255), HasSubstr("cannot be compared"));
+  testing::write_text(folder.path() / "results/expected.json", "{");
+  EXPECT_THAT(expected_objection("chain", 255), HasSubstr("cannot be compared"));
 }
 
 TEST(Case, PaperRuleAndBestChooseTheCell) {

@@ -101,7 +101,7 @@ struct DetectorInfo {
 };
 
 std::span<const DetectorInfo> cpu_detectors();  // reference_cpu/detectors.cpp
-std::span<const DetectorInfo> gpu_detectors();  // kernels/detectors.cpp; only where the kernels are linked
+std::span<const DetectorInfo> gpu_detectors();  // kernels/detectors.cpp; `make` is null in builds without the kernels
 std::span<const DetectorInfo> gpu_ablations();  // the same; variants that answer one question each, never offered to users
 
 }  // namespace touchstone

@@ -10,6 +10,11 @@ struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// A GPU detector was asked for by name where no GPU can be used: one line that says why. Programs exit with kExitNoGpu.
+struct NoGpuError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 enum ExitCode : int {
   kExitOk = 0,
   kExitInternal = 1,      // a defect of ours, or of the machine

@@ -1,0 +1,20 @@
+# cmake -P: which GPUs a build is for, with compilers old and new.
+include(${CMAKE_CURRENT_LIST_DIR}/../cmake/TouchstoneArchitectures.cmake)
+
+function(expect wanted codes expected)
+  touchstone_architectures(chosen "${wanted}" "${codes}")
+  if(NOT chosen STREQUAL expected)
+    message(SEND_ERROR "of ${wanted} with [${codes}]: '${chosen}', expected '${expected}'")
+  endif()
+endfunction()
+
+set(usual "75;80;86;90;100;120")
+set(cuda_12_0 "sm_50\nsm_52\nsm_60\nsm_70\nsm_75\nsm_80\nsm_86\nsm_89\nsm_90\nsm_90a")
+set(cuda_13_0 "sm_75\nsm_80\nsm_86\nsm_87\nsm_89\nsm_90\nsm_100\nsm_110\nsm_103\nsm_120\nsm_121")
+expect("${usual}" "${cuda_13_0}" "75-real;80-real;86-real;90-real;100-real;120")
+expect("${usual}" "${cuda_12_0}" "75-real;80-real;86-real;90")
+expect("90;90" "${cuda_13_0}" "90")
+expect("70" "${cuda_13_0}" "")
+expect("70;90" "${cuda_13_0}" "90")
+expect("70;90" "" "70-real;90")
+expect("10" "${cuda_13_0}" "")
