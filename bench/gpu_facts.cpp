@@ -28,6 +28,7 @@ Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
+// Of the device that is measured, which CUDA_VISIBLE_DEVICES and CUDA_DEVICE_ORDER choose: NVML numbers cards in its own way.
 std::string pci_bus_id() {
   char id[32] = "";
   int device = 0;
@@ -59,7 +60,8 @@ std::string gpu_name() {
   return p.name;
 }
 
-int other_compute_processes() { return read_nvml("").compute_processes.value_or(-1); }
+// Asking for the bus makes no context, so our own process is not yet among those that are counted.
+int other_compute_processes() { return gpu_usable() ? read_nvml(pci_bus_id()).compute_processes.value_or(-1) : -1; }
 
 Json gpu_state_json() {
   if (!gpu_usable()) return nullptr;

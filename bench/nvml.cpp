@@ -72,9 +72,7 @@ NvmlReading read_nvml(const std::string& pci_bus_id) {
   char driver[96] = "";
   if (nvml.call("nvmlSystemGetDriverVersion", &driver[0], 96u)) r.driver = driver;
   Device device = nullptr;
-  const bool found = pci_bus_id.empty() ? nvml.call("nvmlDeviceGetHandleByIndex_v2", 0u, &device)
-                                        : nvml.call("nvmlDeviceGetHandleByPciBusId_v2", pci_bus_id.c_str(), &device);
-  if (!found) return r;
+  if (!nvml.call("nvmlDeviceGetHandleByPciBusId_v2", pci_bus_id.c_str(), &device)) return r;
   r.compute_processes = count_compute_processes(nvml, device);
   r.ecc = first_of_two(nvml, "nvmlDeviceGetEccMode", device);
   r.mig = first_of_two(nvml, "nvmlDeviceGetMigMode", device);

@@ -17,7 +17,7 @@ struct NvmlReading {
   std::optional<unsigned long long> event_reasons;  // bits of nvmlClocksEventReasons
 };
 
-// pci_bus_id as cudaDeviceGetPCIBusId writes it; "" asks the first device.
+// pci_bus_id as cudaDeviceGetPCIBusId writes it.
 NvmlReading read_nvml(const std::string& pci_bus_id);
 
 // "sw_power_cap, hw_thermal_slowdown"; "" for none.
