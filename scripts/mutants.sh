@@ -1,7 +1,8 @@
 #!/bin/sh
 # Does the detector suite notice defects? Each file of tests/mutants takes one barrier or one check out of a kernel; a copy of the
-# tree is built with it under the sanitizer it names, and the suite must fail. Run by hand: about a minute a mutant.
-#   scripts/mutants.sh [NAME…]     the mutants named, all by default; exit 1 if one was missed or no longer applies
+# tree is built with it under the sanitizer it names, and the suite must fail, saying why. First the suite must pass on the copy as
+# it is: a suite that fails anyway notices nothing. Run by hand: about a minute a mutant.
+#   scripts/mutants.sh [NAME…]     the mutants named, all by default; exit 1 if one was missed or could not be judged
 # TOUCHSTONE_MUTANTS: folder of the copy and its builds (default build/mutants)
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -12,6 +13,9 @@ jobs=$(nproc)
 mkdir -p "$work/tree"
 (cd "$root" && git ls-files | grep -v '^results/' | tar -cf - -T -) | tar -xf - -C "$work/tree"
 
+field() {  # of the mutant $name: what, file, build (a sanitizer), detector
+  sed -n "s/^# $1: //p" "$root/tests/mutants/$name.sed"
+}
 build() {  # sanitizer
   [ -f "$work/$1/build.ninja" ] || cmake -S "$work/tree" -B "$work/$1" -G Ninja -DTOUCHSTONE_SANITIZE="$1" >"$work/$1.log" 2>&1
   ninja -C "$work/$1" -j"$jobs" detectors_test >>"$work/$1.log" 2>&1
@@ -20,27 +24,56 @@ suite() {  # sanitizer, detector
   timeout 600 "$work/$1/tests/detectors_test" --gtest_filter="*/$2_on_mixture_c4:*/$2_on_clusters:Detectors/Each.*/$2" \
     --gtest_brief=1 >"$work/suite.log" 2>&1
 }
+# What the suite or the sanitizer says was wrong; empty if nothing.
+reason() {
+  grep -m1 -oE 'data race|heap-(buffer-overflow|use-after-free)|runtime error: .*|[0-9]+ missing .*extra.*|: (pair|contact|ball) .*|emulated kernel: .*' \
+    "$work/suite.log" || sed -n '/: Failure$/{n;p;q}' "$work/suite.log"
+}
+
+# Control: each pair of sanitizer and detector that a mutant names, on the tree as it is. At least one test must have run.
+for name in "$@"; do
+  [ -f "$root/tests/mutants/$name.sed" ] || { echo "mutants: no tests/mutants/$name.sed" >&2; exit 2; }
+  echo "$(field build) $(field detector)"
+done | sort -u >"$work/controls"
+while read -r sanitizer detector; do
+  mkdir -p "$work/$sanitizer"
+  build "$sanitizer" || { echo "mutants: the tree does not build unchanged: see $work/$sanitizer.log" >&2; exit 1; }
+  code=0
+  suite "$sanitizer" "$detector" || code=$?
+  if [ $code -ne 0 ] || ! grep -qE '^\[  PASSED  \] [1-9]' "$work/suite.log"; then
+    echo "mutants: $detector under $sanitizer does not pass unchanged (exit code $code): see $work/suite.log" >&2
+    exit 1
+  fi
+  printf '%-18s %-8s %s\n' "(unchanged)" "$sanitizer" "$detector passes"
+done <"$work/controls"
+
 missed=0
 for name in "$@"; do
-  mutant=$root/tests/mutants/$name.sed
-  field() { sed -n "s/^# $1: //p" "$mutant"; }
   file=$(field file) sanitizer=$(field build) detector=$(field detector)
-  mkdir -p "$work/$sanitizer"
   cp "$root/$file" "$work/tree/$file"
-  sed -i -f "$mutant" "$work/tree/$file"
+  sed -i -f "$root/tests/mutants/$name.sed" "$work/tree/$file"
+  verdict=""
   if cmp -s "$root/$file" "$work/tree/$file"; then
     verdict="STALE: it changes nothing in $file"
-    missed=1
   elif ! build "$sanitizer"; then
     verdict="DOES NOT BUILD: see $work/$sanitizer.log"
-    missed=1
-  elif suite "$sanitizer" "$detector"; then
-    verdict="MISSED"
-    missed=1
   else
-    verdict="caught: $(grep -m1 -oE 'data race|heap-(buffer-overflow|use-after-free)|runtime error: .*|[0-9]+ missing .*extra.*|: (pair|contact|ball) .*|emulated kernel: .*' "$work/suite.log" || sed -n '/Failure/{n;p;q}' "$work/suite.log")"
+    code=0
+    suite "$sanitizer" "$detector" || code=$?
+    case $code in
+      0) verdict="MISSED" ;;
+      124) verdict="NOT JUDGED: the suite took more than ten minutes" ;;
+      125 | 126 | 127) verdict="NOT JUDGED: the suite did not start, see $work/suite.log" ;;
+      *) why=$(reason)
+         [ -n "$why" ] || verdict="NOT JUDGED: exit code $code without a reason, see $work/suite.log" ;;
+    esac
   fi
   cp "$root/$file" "$work/tree/$file"
+  if [ -n "$verdict" ]; then
+    missed=1
+  else
+    verdict="caught: $why"
+  fi
   printf '%-18s %-8s %s: %s\n' "$name" "$sanitizer" "$(field what)" "$verdict"
 done
 exit $missed

@@ -1,0 +1,152 @@
+// The scripts' decisions, with stand-ins for the programs they call.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/run_program.h"
+
+namespace touchstone::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::filesystem::path kScripts = std::filesystem::path(TOUCHSTONE_SOURCE_DIR) / "scripts";
+
+void write_script(const std::filesystem::path& path, const std::string& body) {
+  write_text(path, "#!/bin/sh\n" + body);
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+}
+
+// ---- scripts/figures ----
+
+struct FiguresRun {
+  int code;
+  bool drawn;
+};
+
+// scripts/figures where bench_detect and the report leave with these codes.
+FiguresRun figures(int measured, int reported) {
+  const TemporaryFolder folder;
+  const std::filesystem::path marker = folder.path() / "drawn";
+  write_script(folder.path() / "bench_detect", "exit " + std::to_string(measured) + "\n");
+  write_script(folder.path() / "touchstone", ": >" + marker.string() + "\nexit " + std::to_string(reported) + "\n");
+  const Outcome o = run_program((kScripts / "figures").string() + " default " + folder.path().string());
+  return {o.code, std::filesystem::exists(marker)};
+}
+
+TEST(Figures, AreDrawnAlsoWhenSomeCasesAreMissing) {
+  for (const int code : {0, 3, 4}) {
+    const FiguresRun run = figures(code, 0);
+    EXPECT_TRUE(run.drawn) << code;
+    EXPECT_EQ(run.code, code);
+  }
+}
+
+TEST(Figures, StopAtOnceWhenNothingCanBeShown) {
+  for (const int code : {1, 2, 130}) {
+    const FiguresRun run = figures(code, 0);
+    EXPECT_FALSE(run.drawn) << code;
+    EXPECT_EQ(run.code, code);
+  }
+}
+
+TEST(Figures, TellAFailedReportUnlessMeasuringFailedBefore) {
+  EXPECT_EQ(figures(0, 4).code, 4);
+  EXPECT_EQ(figures(3, 4).code, 3);
+}
+
+// ---- scripts/configure ----
+
+// What it prints where nvidia-smi tells this compute capability ("": no driver) and nvcc builds for 7.5 and 9.0.
+Outcome configure(const std::string& capability, const std::string& purpose) {
+  const TemporaryFolder folder;
+  write_script(folder.path() / "nvidia-smi",
+               capability.empty() ? "exit 9\n" : "case $1 in -L) echo GPU 0 ;; *) echo " + capability + " ;; esac\n");
+  write_script(folder.path() / "nvcc", "printf 'sm_75\\nsm_90\\n'\n");
+  write_script(folder.path() / "cmake", "exit 0\n");
+  return run_program("PATH=" + folder.path().string() + ":$PATH " + (kScripts / "configure").string() + " " + purpose);
+}
+
+TEST(Configure, ChoosesThePresetByWhatNvccBuildsFor) {
+  EXPECT_EQ(configure("9.0", "measure").out, "gpu\n");
+  EXPECT_EQ(configure("9.0", "measure").err, "");
+  EXPECT_EQ(configure("", "measure").out, "cpu\n");
+  EXPECT_EQ(configure("", "test").out, "gpu\n") << "without a card nvcc still shows that the kernels compile";
+  for (const char* purpose : {"measure", "test"}) {
+    const Outcome old = configure("7.0", purpose);
+    EXPECT_EQ(old.code, 0);
+    EXPECT_EQ(old.out, "cpu\n");
+    EXPECT_THAT(old.err, HasSubstr("compute capability 7.0"));
+    EXPECT_EQ(std::count(old.err.begin(), old.err.end(), '\n'), 1) << old.err;
+  }
+}
+
+// ---- scripts/mutants.sh ----
+
+// A tree of one kernel; its suite does what the kernel's one word says.
+class Mutants : public ::testing::Test {
+ protected:
+  Mutants() {
+    std::filesystem::create_directories(tree() / "scripts");
+    std::filesystem::copy(kScripts / "mutants.sh", tree() / "scripts/mutants.sh");
+    write_text(tree() / "kernels/k.cu", "good\n");
+    write_script(folder_.path() / "bin/cmake", "mkdir -p \"$4\"; : >\"$4/build.ninja\"\n");
+    write_script(folder_.path() / "bin/ninja",
+                 "mkdir -p \"$2/tests\"; cp " + (folder_.path() / "suite").string() + " \"$2/tests/detectors_test\"\n");
+    write_script(folder_.path() / "suite", "case $(cat " + (folder_.path() / "work/tree/kernels/k.cu").string() +
+                                               ") in\n"
+                                               "good|harmless) echo '[  PASSED  ] 3 tests.' ;;\n"
+                                               "empty) echo '[  PASSED  ] 0 tests.' ;;\n"
+                                               "racy) echo 'WARNING: ThreadSanitizer: data race (pid=1)'; exit 66 ;;\n"
+                                               "wrong) printf 'k.cpp:1: Failure\\n7 missing (first 1-2), 0 extra\\n'; exit 1 ;;\n"
+                                               "slow) exit 124 ;;\n"
+                                               "absent) exit 127 ;;\n"
+                                               "silent) exit 1 ;;\n"
+                                               "esac\n");
+  }
+  std::filesystem::path tree() const { return folder_.path() / "tree"; }
+  // The script's verdict on a mutant that writes `word` into the kernel.
+  Outcome judge(const std::string& word, const std::string& from = "good") {
+    write_text(tree() / "tests/mutants/m.sed",
+               "# what: w\n# file: kernels/k.cu\n# build: thread\n# detector: d\ns/" + from + "/" + word + "/\n");
+    const std::string in_tree = "cd " + tree().string() + " && git init -q . && git add . && ";
+    return run_program("sh -c '" + in_tree + "PATH=" + (folder_.path() / "bin").string() +
+                       ":$PATH TOUCHSTONE_MUTANTS=" + (folder_.path() / "work").string() + " scripts/mutants.sh m'");
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Mutants, AreCaughtWithAReason) {
+  const Outcome racy = judge("racy"), wrong = judge("wrong");
+  EXPECT_EQ(racy.code, 0) << racy.err;
+  EXPECT_THAT(racy.out, HasSubstr("caught: data race"));
+  EXPECT_EQ(wrong.code, 0) << wrong.err;
+  EXPECT_THAT(wrong.out, HasSubstr("caught: 7 missing"));
+}
+
+TEST_F(Mutants, AFailureThatProvesNothingIsNoCatch) {
+  for (const auto& [word, says] : {std::pair{"harmless", "MISSED"},
+                                   {"slow", "NOT JUDGED: the suite took"},
+                                   {"absent", "NOT JUDGED: the suite did not start"},
+                                   {"silent", "NOT JUDGED: exit code 1 without a reason"}}) {
+    const Outcome o = judge(word);
+    EXPECT_EQ(o.code, 1) << word;
+    EXPECT_THAT(o.out, HasSubstr(says));
+  }
+  EXPECT_THAT(judge("racy", "no such word").out, HasSubstr("STALE"));
+}
+
+TEST_F(Mutants, NothingIsJudgedBySuitesThatFailAnyway) {
+  for (const char* word : {"wrong", "empty"}) {  // the unchanged kernel itself
+    write_text(tree() / "kernels/k.cu", std::string(word) + "\n");
+    const Outcome o = judge("racy", word);
+    EXPECT_EQ(o.code, 1) << word;
+    EXPECT_THAT(o.err, HasSubstr("does not pass unchanged"));
+    EXPECT_THAT(o.out, Not(HasSubstr("caught")));
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::testing
