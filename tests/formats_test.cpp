@@ -111,7 +111,6 @@ TEST(Formats, BadCsvIsToldByLineAndCause) {
   EXPECT_EQ(csv("x,y,z,r\n0,0,1e99,1\n"), "f: line 2: z is 1e99, beyond the range of a float32 number");
   EXPECT_EQ(csv("x,y,z,r,r\n0,0,0,1,1\n"), "f: line 1: two columns named radius");
   EXPECT_EQ(csv(std::string("x,y,z,r\n0,0,\0,1\n", 17)), "f: line 2: not text: it holds a zero byte");
-  EXPECT_EQ(csv("\x7f\x45\x4c\x46\x02\x01\xff\xfe"), csv("\x7f\x45\x4c\x46\x02\x01\xff\xfe"));
   EXPECT_NE(csv("\x7f\x45\x4c\x46\x02\x01\xff\xfe").find("f: line 1: no x column"), std::string::npos);
   EXPECT_EQ(csv(std::string(1000000, ',')), "f: line 1: more than 256 columns");
 }

@@ -144,12 +144,13 @@ TEST_F(Run, DropsATornLastLineAndMeasuresItsCaseAgain) {
 }
 
 TEST_F(Run, KeepsWhatAnInterruptedRunFinished) {
-  write_text(folder_.path() / "stop", "#!/bin/sh\n\"$@\" & p=$!\nwhile ! grep -q entries " + (out() / "table2.jsonl").string() +
-                                          " 2>/dev/null; do sleep 0.01; done\nkill -TERM $p\nwait $p\n");
-  const Outcome stopped =
-      run_program("TOUCHSTONE_SOURCE_DIR=" + (folder_.path() / "tree").string() + " sh " + (folder_.path() / "stop").string() +
-                  " " + BENCH_DETECT + " --packing-folder " + (folder_.path() / "packings").string() +
-                  " --tuning-n 200 --detectors 'all_pairs|serial' --force --out " + out().string());
+  // Stops the program once its first case is in the journal; gives up if the program ends before.
+  write_text(folder_.path() / "stop", "#!/bin/sh\n\"$@\" & p=$!\nwhile kill -0 $p && ! grep -qs entries " +
+                                          (out() / "table2.jsonl").string() + "; do sleep 0.01; done\nkill -TERM $p\nwait $p\n");
+  const Outcome stopped = run_program("TOUCHSTONE_SOURCE_DIR=" + (folder_.path() / "tree").string() + " timeout 100 sh " +
+                                      (folder_.path() / "stop").string() + " " + BENCH_DETECT + " --packing-folder " +
+                                      (folder_.path() / "packings").string() +
+                                      " --tuning-n 200 --detectors 'all_pairs|serial' --force --out " + out().string());
   ASSERT_EQ(stopped.code, 130) << stopped.err;
   const json file = result();
   EXPECT_THAT(SchemaCheck().faults(file), IsEmpty());

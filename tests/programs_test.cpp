@@ -1,0 +1,138 @@
+// `touchstone pack`, `publish` and `detect` as a user runs them: what they refuse, in one line, and what they leave behind.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/results_schema.h"
+#include "tests/run_program.h"
+
+namespace touchstone::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class Programs : public ::testing::Test {
+ protected:
+  Outcome touchstone(const std::string& arguments) {
+    return run_program("TOUCHSTONE_PACKINGS=" + (path() / "packings").string() + " " TOUCHSTONE " " + arguments);
+  }
+  // A refusal: this exit code, and one line that says `says`.
+  void expect_refused(const std::string& arguments, int code, const std::string& says) {
+    const Outcome o = touchstone(arguments);
+    EXPECT_EQ(o.code, code) << arguments << ": " << o.err;
+    EXPECT_THAT(o.err, HasSubstr(says)) << arguments;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  }
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path()))
+      if (entry.is_regular_file()) names.push_back(entry.path().filename());
+    return names;
+  }
+  const std::filesystem::path& path() const { return folder_.path(); }
+  std::string file(const char* name) const { return (path() / name).string(); }
+  TemporaryFolder folder_;
+};
+
+const std::string kLoose = "--spec n=50,c=2,kind=loose,base=cube ";
+
+TEST_F(Programs, PackMakesExportsAndReadsAgain) {
+  const Outcome made = touchstone("pack " + kLoose + "--out " + file("p.csv"));
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string hash = made.out.substr(made.out.find("hash ") + 5, 16);
+  const Outcome checked = touchstone("pack --check " + file("p.csv"));
+  EXPECT_EQ(checked.code, 0) << checked.err;
+  EXPECT_THAT(checked.out, HasSubstr("50 balls"));
+  EXPECT_THAT(checked.out, HasSubstr("hash " + hash)) << "not the same bytes after a round trip through text";
+  EXPECT_THAT(touchstone("pack --list").out, HasSubstr(hash));
+}
+
+TEST_F(Programs, PackRefusesInOneLineAndWritesNothing) {
+  write_text(path() / "bad.csv", "x,y,z,r\n0,0,0,1\n0,0,nan,1\n");
+  expect_refused("pack", 2, "give one of");
+  expect_refused("pack --spec n=0", 2, "n=0");
+  expect_refused("pack --spec n=50,colour=red", 2, "colour");
+  expect_refused("pack " + kLoose + "--out " + file("p.stl"), 2, "stl");
+  expect_refused("pack " + kLoose + "--format csv", 2, "--format goes with --out");
+  expect_refused("pack --set no_such_set", 2, "no_such_set");
+  expect_refused("pack --check " + file("absent.csv"), 2, "absent.csv");
+  expect_refused("pack --check " + file("bad.csv"), 2, "bad.csv: line 3: z is nan");
+  expect_refused("pack --check " + file("bad.csv") + " --out " + file("good.xyz"), 2, "line 3");
+  expect_refused("pack --set table2 --out " + file("p.csv"), 2, "--out goes with");
+  EXPECT_THAT(files(), ::testing::ElementsAre("bad.csv"));
+}
+
+TEST_F(Programs, PackLeavesAnOldFileWholeIfTheNewOneCannotBeMade) {
+  write_text(path() / "p.xyz", "old");
+  expect_refused("pack --check " + file("absent.csv") + " --out " + file("p.xyz"), 2, "absent.csv");
+  EXPECT_EQ(file_text(path() / "p.xyz"), "old");
+  const Outcome o = touchstone("pack " + kLoose + "--out " + file("no/such/folder/p.csv"));
+  EXPECT_EQ(o.code, 2) << o.err;
+  EXPECT_FALSE(std::filesystem::exists(path() / "no"));
+}
+
+TEST_F(Programs, AGpuDetectorWithoutAGpuHasAnExitCodeOfItsOwn) {
+  const Outcome list = touchstone("list");
+  if (list.out.find("GPU detectors are not listed") == std::string::npos) GTEST_SKIP() << "a GPU can be used here";
+  for (const char* detector : {"sdk_sort", "multi_cell_bucket", "multi_cell_bucket/paper"})
+    expect_refused(std::string("detect ") + kLoose + "--detector " + detector, 5, "runs on a GPU: no ");
+  expect_refused("detect " + kLoose + "--detector sdk_sord", 2, "near are sdk_sort");
+}
+
+TEST_F(Programs, AnOffSwitchIsNotCalledAMissingCompiler) {
+  const Outcome o = touchstone("list");
+  if (std::string(CUDA_SWITCH) != "OFF") GTEST_SKIP() << "not configured with TOUCHSTONE_CUDA=OFF";
+  EXPECT_THAT(o.out, HasSubstr("TOUCHSTONE_CUDA=OFF"));
+  EXPECT_THAT(o.out, Not(HasSubstr("no nvcc")));
+}
+
+// ---- publish ----
+
+class Publish : public Programs {
+ protected:
+  // A measured file of the tests' own making: what `publish` looks at, and no more.
+  std::string results(bool reportable, bool verified) {
+    const json j = {{"context",
+                     {{"touchstone",
+                       {{"schema", "touchstone/1"},
+                        {"fixture", "a test's, no measurement"},
+                        {"run", {{"reportable", reportable}, {"why_not", json::array({"a fixture's reason"})}}}}}}},
+                    {"benchmarks", {{{"name", "case one"}, {"case", {{"verified", verified}}}}}}};
+    return j.dump(1) + "\n";
+  }
+  Outcome publish() { return touchstone("publish --local " + file("local") + " --results " + file("results")); }
+};
+
+TEST_F(Publish, CopiesReportableVerifiedFilesByteForByte) {
+  const std::string good = results(true, true);
+  write_text(path() / "local/card/table2.json", good);
+  const Outcome o = publish();
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_EQ(file_text(path() / "results/card/table2.json"), good);
+}
+
+TEST_F(Publish, KeepsOutWhatMayNotBeQuotedAndSaysWhy) {
+  const struct {
+    std::string text;
+    const char* says;
+  } bad[] = {{results(false, true), "a fixture's reason"},
+             {results(true, false), "not verified: case one"},
+             {"{\"context\": {", "not a results file"}};
+  for (const auto& b : bad) {
+    write_text(path() / "local/card/table2.json", b.text);
+    write_text(path() / "results/card/table2.json", "what was published before");
+    const Outcome o = publish();
+    EXPECT_EQ(o.code, 4) << o.err;
+    EXPECT_THAT(o.err, HasSubstr(b.says));
+    EXPECT_EQ(file_text(path() / "results/card/table2.json"), "what was published before");
+  }
+}
+
+TEST_F(Publish, WithoutMeasurementsIsBadInput) {
+  expect_refused("publish --local " + file("nothing"), 2, "no measurements in");
+  EXPECT_THAT(files(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace touchstone::testing

@@ -1,0 +1,61 @@
+// workspace_bytes() of every detector against the memory that it really holds, counted as it is allocated: device memory in the
+// kernels' double, the heap for CPU detectors. A file of its own, because it counts every `new` of the program.
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "datasets/loose.h"
+#include "kernels/device.h"
+
+namespace {
+std::atomic<std::int64_t> heap_bytes = 0;
+}
+
+void* operator new(std::size_t size) {
+  void* p = std::malloc(size ? size : 1);
+  if (!p) throw std::bad_alloc();
+  heap_bytes += static_cast<std::int64_t>(malloc_usable_size(p));
+  return p;
+}
+void operator delete(void* p) noexcept {
+  heap_bytes -= static_cast<std::int64_t>(malloc_usable_size(p));
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept { operator delete(p); }
+
+namespace touchstone {
+namespace {
+
+// Large enough that a detector's arrays dwarf its other members.
+const std::vector<Ball>& balls() {
+  static const std::vector<Ball> made = make_loose(parse_spec("n=20000,c=3,kind=loose,phi=0.4,base=cube")).balls;
+  return made;
+}
+
+TEST(Workspace, OfGpuDetectorsIsWhatTheyAllocate) {
+  const PackingFacts facts = facts_of(balls());
+  for (const DetectorInfo& info : gpu_detectors()) {
+    Stream stream(info.place);
+    const std::int64_t before = device_detail::allocated_bytes;
+    const auto detector = info.make(facts, {}, stream);
+    EXPECT_EQ(detector->workspace_bytes(), device_detail::allocated_bytes - before) << info.label();
+    EXPECT_GT(detector->workspace_bytes(), 0) << info.label();
+  }
+}
+
+TEST(Workspace, OfCpuDetectorsIsWhatTheyHold) {
+  const PackingFacts facts = facts_of(balls());
+  for (const DetectorInfo& info : cpu_detectors()) {
+    Stream stream(info.place);
+    const std::int64_t before = heap_bytes;
+    const auto detector = info.make(facts, {}, stream);
+    const auto held = static_cast<double>(heap_bytes - before), told = static_cast<double>(detector->workspace_bytes());
+    EXPECT_NEAR(told, held, 0.02 * held + 1024) << info.label();  // members that are no arrays, and what malloc rounds up
+  }
+}
+
+}  // namespace
+}  // namespace touchstone
