@@ -1,5 +1,4 @@
-#include "bench/pack_command.h"
-
+// `touchstone pack`: make, list, check and export packings.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/commands.h"
 #include "bench/interrupt.h"
 #include "datasets/files.h"
 #include "datasets/formats.h"
@@ -82,15 +82,14 @@ Packing make(const PackingSpec& spec, const PackOptions& o) {
 }
 
 void list(const PackOptions& o) {
-  fmt::print("{:<28} {:>10} {:>6} {:>6}  {:<16}  {:<10} {}\n", "name", "n", "C", "seed", "hash", "validity", "contacts");
+  fmt::print("{:<28} {:>10} {:>6} {:>6}  {:<16}  {}\n", "name", "n", "C", "seed", "hash", "validity");
   for (const CachedPacking& cached : list_cached(folder_of(o))) {
     const PackingSpec spec = parse_spec(cached.spec);
     const char* validity = "-";
     if (cached.meta.contains("validity")) validity = cached.meta["validity"].at("passed").get<bool>() ? "valid" : "INVALID";
     if (cached.generator_version != kGeneratorVersion) validity = "outdated";
-    const std::string contacts = cached.meta.contains("contacts") ? cached.meta["contacts"].dump() : "-";
-    fmt::print("{:<28} {:>10} {:>6} {:>6}  {:<16}  {:<10} {}\n", cached.name, cached.n, spec.cell_factor, spec.seed, cached.hash,
-               validity, contacts);
+    fmt::print("{:<28} {:>10} {:>6} {:>6}  {:<16}  {}\n", cached.name, cached.n, spec.cell_factor, spec.seed, cached.hash,
+               validity);
   }
 }
 

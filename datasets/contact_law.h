@@ -52,11 +52,4 @@ TOUCHSTONE_HD inline Vec3 lsd_tangential_force(const LsdContact& c, double norma
   return force;
 }
 
-// Largest stable step in s over sqrt(m/k) for a ball with z contacts of stiffness k and damping share h that touches its
-// like (dem_spec 2.12, "many contacts, translation", no friction): all neighbours move against it.
-TOUCHSTONE_HD inline double lsd_stable_step(double z, double h) {
-  const double w = sqrt(2 * z / 3), c = z / 3 * (2 * h * sqrt(0.5)), hh = c / w;
-  return 2 / w * (sqrt(1 + hh * hh) - hh);
-}
-
 }  // namespace touchstone

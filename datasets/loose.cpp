@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "datasets/bed.h"
 #include "datasets/radii.h"
 #include "touchstone/error.h"
 
@@ -31,7 +31,7 @@ Packing make_loose(const PackingSpec& spec) {
   double volume = 0;
   float rmax = 0;
   for (const float r : radii) {
-    volume += 4.0 / 3 * std::numbers::pi * r * r * static_cast<double>(r);
+    volume += volume_of_ball(r);
     rmax = std::max(rmax, r);
   }
   volume /= spec.solid_fraction;

@@ -34,6 +34,7 @@ std::vector<Body> scatter_and_grow(const std::vector<float>& radii, Container bo
     const double r = radii[i];
     rmin = std::min(rmin, r);
     Body& b = bodies[i];
+    // Not density * volume_of_ball(r): that product rounds otherwise, and every byte of every packing would change.
     b = {0, 0, 0, r, 0, 0, 0, density * (4.0 / 3 * std::numbers::pi) * r * r * r};
     b.x = r + (box.size_x - 2 * r) * random.uniform();
     b.y = r + (box.size_y - 2 * r) * random.uniform();

@@ -6,22 +6,19 @@
 
 namespace touchstone {
 
-ContactList all_pairs(std::span<const Ball> balls) {
-  ContactList list;
-  const auto n = static_cast<std::int32_t>(balls.size());
-  for (std::int32_t i = 0; i < n; ++i)
-    for (std::int32_t j = i + 1; j < n; ++j)
-      if (in_contact(balls[i], balls[j])) list.pairs.push_back({i, j});
-  return list;
-}
-
 namespace {
+
+// Calls contact(i, j) for each contact, i < j, in ascending order.
+template <class Contact>
+void for_each_contact(BallsView in, Contact&& contact) {
+  for (std::int32_t i = 0; i < in.n; ++i)
+    for (std::int32_t j = i + 1; j < in.n; ++j)
+      if (in_contact(in.data[i], in.data[j])) contact(i, j);
+}
 
 template <class Sink>
 void search(BallsView in, Sink sink) {
-  for (std::int32_t i = 0; i < in.n; ++i)
-    for (std::int32_t j = i + 1; j < in.n; ++j)
-      if (in_contact(in.data[i], in.data[j])) sink.add(i, j);
+  for_each_contact(in, [&sink](std::int32_t i, std::int32_t j) { sink.add(i, j); });
   sink.flush();
 }
 
@@ -46,6 +43,14 @@ class AllPairs : public Detector {
 };
 
 }  // namespace
+
+ContactList all_pairs(std::span<const Ball> balls) {
+  ContactList list;
+  for_each_contact({balls.data(), static_cast<std::int32_t>(balls.size())}, [&list](std::int32_t i, std::int32_t j) {
+    list.pairs.push_back({i, j});
+  });
+  return list;
+}
 
 std::unique_ptr<Detector> make_all_pairs(const PackingFacts& facts, const DetectorParams&, Stream&) {
   return std::make_unique<AllPairs>(facts.n);

@@ -41,7 +41,6 @@ class LevelIndex {
   template <class Sink, class Done>
   void search(const Sink& prototype, Done&& done) const;
 
-  const std::vector<Level>& levels() const { return levels_; }
   int threads() const { return threads_; }
   std::int64_t bytes() const;
 
