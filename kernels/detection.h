@@ -15,6 +15,7 @@ class ContactStorage {
   // capacity: pairs for OutputForm::pairs, slots a ball for ball_lists.
   ContactStorage(Place place, OutputForm form, std::int32_t n, std::int64_t capacity, Stream& stream);
   ContactsView view() const;
+  std::int64_t capacity() const { return capacity_; }
   std::int64_t bytes() const;
   ContactList download(Stream& stream) const;  // the whole set, judged and sorted; call only when the report is complete
 

@@ -102,6 +102,7 @@ struct DetectorInfo {
 
 std::span<const DetectorInfo> cpu_detectors();  // reference_cpu/detectors.cpp
 std::span<const DetectorInfo> gpu_detectors();  // kernels/detectors.cpp; `make` is null in builds without the kernels
-std::span<const DetectorInfo> gpu_ablations();  // the same; variants that answer one question each, never offered to users
+// kernels/multi_cell_paper.cu, in builds with the kernels only: variants that answer one question each, never offered to users.
+std::span<const DetectorInfo> gpu_ablations();
 
 }  // namespace touchstone
