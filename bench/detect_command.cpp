@@ -3,45 +3,27 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
+#include "bench/arguments.h"
 #include "bench/case_runner.h"
 #include "bench/commands.h"
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
+#include "bench/tune_file.h"
 #include "datasets/files.h"
-#include "datasets/formats.h"
-#include "datasets/store.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
 namespace {
 
 struct DetectOptions {
-  std::string packing, spec, detector = "serial_levels", output = "pairs", contacts;
-  std::string launch = "stream", cache = "hot";
+  std::string packing, spec, config, contacts;
+  std::string detector = "serial_levels", output = "pairs", launch = "stream", cache = "hot";
+  bool output_given = false, launch_given = false;  // else a configuration decides
   double cell_cm = 0;
   DetectorParams params;
 };
-
-Packing packing_of(const DetectOptions& o) {
-  if (o.packing.empty() == o.spec.empty()) throw InputError("detect: give either --packing FILE or --spec n=…,c=…");
-  Packing packing = o.packing.empty() ? load_or_make(parse_spec(o.spec), default_packing_folder()) : read_packing(o.packing);
-  validate(packing.balls, o.packing.empty() ? o.spec : o.packing);
-  return packing;
-}
-
-OutputForm output_of(const std::string& word) {
-  if (word == "pairs") return OutputForm::pairs;
-  if (word == "ball_lists") return OutputForm::ball_lists;
-  throw InputError(fmt::format("--output '{}': pairs or ball_lists", word));
-}
-
-template <class Choice>
-Choice one_of(const std::string& word, Choice first, Choice second, const char* option) {
-  if (word == to_string(first)) return first;
-  if (word == to_string(second)) return second;
-  throw InputError(fmt::format("{} '{}': {} or {}", option, word, to_string(first), to_string(second)));
-}
 
 Measurement measure(const DetectorInfo& info, const DetectorParams& params, OutputForm output, Launch launch, Cache cache,
                     PackingContext& context) {
@@ -70,22 +52,44 @@ void write_contacts(const std::string& path, const Reference& reference) {
   write_atomically(path, text);
 }
 
+// A tuning fits packings like the one it was made on, on the device it was made on: what is unlike is said, not refused.
+DetectorParams params_of_config(const TuneConfig& config, const DetectorInfo& info, OutputForm output, Launch launch,
+                                const PackingFacts& facts) {
+  std::vector<std::string> unlike = differences(config, facts);
+  if (const std::string here = tuned_device(info.place); here != config.device)
+    unlike.push_back(fmt::format("this is {}, tuned on {}", here, config.device));
+  if (output != config.output)
+    unlike.push_back(fmt::format("output {}, tuned for {}", to_string(output), to_string(config.output)));
+  if (on_gpu(info) && launch != config.launch)
+    unlike.push_back(fmt::format("launch {}, tuned for {}", to_string(launch), to_string(config.launch)));
+  for (const std::string& line : unlike) fmt::print(stderr, "note: {}; tune again for the best parameters\n", line);
+  return {cell_of(config.tuning, facts), config.tuning.threads_broad, config.tuning.threads_narrow, 0};
+}
+
 int detect(const DetectOptions& o) {
-  const OutputForm output = output_of(o.output);
-  const DetectorInfo& info = find_detector(o.detector);
-  const Launch launch = one_of(o.launch, Launch::stream, Launch::graph, "--launch");
-  const Cache cache = one_of(o.cache, Cache::hot, Cache::cold, "--cache");
+  std::optional<TuneConfig> config;
+  if (!o.config.empty()) config = read_tune_config(o.config);
+  if (config && config->place == "gpu" && !gpu_usable()) {
+    fmt::print(stderr, "touchstone: {} chooses {}, a GPU detector: {}\n", o.config, config->detector, why_no_gpu());
+    return kExitNoGpu;
+  }
+  const OutputForm output = config && !o.output_given ? config->output : output_argument(o.output);
+  const DetectorInfo& info = find_detector(config ? config->detector : o.detector);
+  if (config) require_fit(*config, info, o.config);
+  const Launch launch = config && !o.launch_given ? config->launch : launch_argument(o.launch);
+  const Cache cache = cache_argument(o.cache);
   if (!on_gpu(info) && (launch == Launch::graph || cache == Cache::cold))
     throw InputError("--launch graph and --cache cold are for GPU detectors");
   if (o.cell_cm < 0)
     throw InputError(fmt::format("--cell-cm {}: a positive length in cm, or 0 for the detector's own choice", o.cell_cm));
   catch_interrupts();
-  PackingContext context(packing_of(o));
+  PackingContext context(packing_argument(o.packing, o.spec));
   const PackingFacts& f = context.facts;
   fmt::print("packing                    {}: {} balls, radii {:.4g} to {:.4g} cm (mean {:.4g}), hash {}\n", context.packing.name,
              f.n, 100 * f.rmin, 100 * f.rmax, 100 * f.ravg, hex64(packing_hash(context.packing.balls)));
   DetectorParams params = o.params;
   params.cell = 1e-2 * o.cell_cm;
+  if (config) params = params_of_config(*config, info, output, launch, f);
   const Measurement m = measure(info, params, output, launch, cache, context);
   fmt::print("contacts                   {}, hash {}, equal to {}\n", m.report.contacts, hex64(m.contact_hash), m.verified_by);
   if (m.params.cell > 0) fmt::print("cell                       {:.4g} cm\n", 100 * m.params.cell);
@@ -113,16 +117,21 @@ void add_detect_command(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("detect", "run one detector on one packing, check it, time it");
   command->add_option("--packing", o->packing, "a packing file: .balls, .xyz, .csv");
   command->add_option("--spec", o->spec, "a packing to make, such as n=20653,c=4");
-  command->add_option("--detector", o->detector, "name or name/layout (see `touchstone list`)")->capture_default_str();
-  command->add_option("--cell-cm", o->cell_cm, "edge of a cell, cm; 0: the detector's own choice");
-  command->add_option("--threads-broad", o->params.threads_broad, "threads a block, broad phase");
-  command->add_option("--threads-narrow", o->params.threads_narrow, "threads a block, narrow phase");
-  command->add_option("--cell-capacity", o->params.cell_capacity, "slots a cell, for bucket methods");
-  command->add_option("--output", o->output, "pairs or ball_lists")->capture_default_str();
-  command->add_option("--launch", o->launch, "GPU: stream or graph")->capture_default_str();
+  auto* config = command->add_option("--config", o->config, "detector, cell and threads as `touchstone tune --out` wrote them");
+  command->add_option("--detector", o->detector, "name or name/layout (see `touchstone list`)")
+      ->capture_default_str()
+      ->excludes(config);
+  command->add_option("--cell-cm", o->cell_cm, "edge of a cell, cm; 0: the detector's own choice")->excludes(config);
+  command->add_option("--threads-broad", o->params.threads_broad, "threads a block, broad phase")->excludes(config);
+  command->add_option("--threads-narrow", o->params.threads_narrow, "threads a block, narrow phase")->excludes(config);
+  command->add_option("--cell-capacity", o->params.cell_capacity, "slots a cell, for bucket methods")->excludes(config);
+  auto* output = command->add_option("--output", o->output, "pairs or ball_lists")->capture_default_str();
+  auto* launch = command->add_option("--launch", o->launch, "GPU: stream or graph")->capture_default_str();
   command->add_option("--cache", o->cache, "GPU: hot or cold")->capture_default_str();
   command->add_option("--contacts", o->contacts, "write the contacts to this CSV file");
-  command->callback([o, &exit_code] {
+  command->callback([o, output, launch, &exit_code] {
+    o->output_given = output->count() > 0;
+    o->launch_given = launch->count() > 0;
     try {
       exit_code = detect(*o);
     } catch (const Mismatch& e) {
