@@ -138,6 +138,11 @@ void TuneRun::exhaust_all() {
   const double before = budget_used();
   for (const auto& e : entrants_) {
     const std::vector<SearchPoint> grid = dense_grid(search_space(e->info, context_.facts), kDenseStep);
+    if (grid.size() == 1) {  // nothing to choose
+      e->tuned.dense = e->tuned.trials;
+      e->tuned.dense_best = e->tuned.chosen;
+      continue;
+    }
     say(fmt::format("{}: exhaustive search of {} candidates", e->info.label(), grid.size()), false);
     Search search = make_search_for(*e, [] { return false; });
     search.sweep(grid);
