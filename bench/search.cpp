@@ -27,13 +27,13 @@ bool same(const SearchPoint& a, const SearchPoint& b) {
 
 }  // namespace
 
-double Trial::cost() const {
-  if (costs.empty()) return std::numeric_limits<double>::infinity();
-  std::vector<double> sorted = costs;
-  std::sort(sorted.begin(), sorted.end());
-  const std::size_t half = sorted.size() / 2;
-  return sorted.size() % 2 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+double search_cost(std::vector<double> samples) {
+  const auto quartile = samples.begin() + (std::ssize(samples) - 1) / 4;
+  std::nth_element(samples.begin(), quartile, samples.end());
+  return *quartile;
 }
+
+double Trial::cost() const { return costs.empty() ? std::numeric_limits<double>::infinity() : search_cost(costs); }
 
 Search::Search(SearchSpace space, Effort effort, Measure measure, OutOfTime out_of_time)
     : space_(std::move(space)),

@@ -22,11 +22,14 @@ struct SearchSpace {
   std::vector<int> threads_broad, threads_narrow;
 };
 
+// What the search compares: the lower quartile, for interference only ever adds to a time, and a search has few samples.
+double search_cost(std::vector<double> samples);
+
 struct Trial {
   SearchPoint at;
   std::vector<double> costs;  // empty if refused
   std::string refused;        // why; "" if measured
-  double cost() const;        // median of the costs; infinity if refused
+  double cost() const;        // search_cost of these; infinity if refused
 };
 
 // Returns that many costs (> 0) of a point; throws InputError where it is refused.

@@ -55,7 +55,7 @@ Json candidates_json(const Tuned& t, const std::vector<Trial>& trials, const Pac
   Json list = Json::array();
   for (const Trial& trial : trials) {
     Json j = point_json(*t.info, trial.at, facts);
-    j["median_us"] = trial.refused.empty() ? Json(trial.cost()) : Json(nullptr);
+    j["lower_quartile_us"] = trial.refused.empty() ? Json(trial.cost()) : Json(nullptr);
     j["samples"] = trial.costs.size();
     j["refused"] = trial.refused.empty() ? Json(nullptr) : Json(trial.refused);
     list.push_back(std::move(j));

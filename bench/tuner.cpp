@@ -23,7 +23,7 @@ constexpr int kThreadsBroad[] = {64, 128, 256, 512};  // the paper's Figure 9
 constexpr int kThreadsNarrow[] = {32, 64, 128, 256, 512};
 constexpr SearchPoint kFirstThreads = {0, 256, 128};  // the paper's choice
 constexpr double kWarmUpMs = 5;                       // lets a GPU's clocks rise
-constexpr double kEnoughUs = 2e5;
+constexpr double kPatienceUs = 1e4;                   // a sample, on average
 
 Detection detection_of(const TuningTask& t, const DetectorParams& params) {
   try {
@@ -58,7 +58,7 @@ Probe probe(const TuningTask& task, const DetectorParams& params, int samples) {
   Probe result{{}, d.detector->params(), d.bytes()};
   Sampler sampler(d, task.info.place, task.launch, Cache::hot, task.stream);
   if (on_gpu(task.info)) sampler.warm_up_us(kWarmUpMs);  // a CPU detector was warmed up by the run that was verified
-  for (double spent_us = 0; std::ssize(result.samples_us) < samples && spent_us < kEnoughUs;) {
+  for (double spent_us = 0; std::ssize(result.samples_us) < samples && spent_us < samples * kPatienceUs;) {
     result.samples_us.push_back(sampler.sample_us());
     spent_us += result.samples_us.back();
   }
@@ -84,7 +84,7 @@ SearchSpace search_space(const DetectorInfo& info, const PackingFacts& facts) {
 }
 
 // A GPU's samples cost nothing beside the verification; a CPU's are most of a candidate's time.
-Effort search_effort(const DetectorInfo& info) { return on_gpu(info) ? Effort{11, 31} : Effort{3, 9}; }
+Effort search_effort(const DetectorInfo& info) { return on_gpu(info) ? Effort{11, 31} : Effort{9, 27}; }
 
 Tuning tuning_at(const DetectorInfo& info, const SearchPoint& at) {
   const bool by_rmax = info.least_cell_rmax > 0;
@@ -100,7 +100,8 @@ Search make_search(const TuningTask& task, OutOfTime out_of_time, TunerLog log) 
     try {
       const Probe p = probe(task, params_at(task.info, at, task.facts), samples);
       if (log)
-        log(fmt::format("{}: {:.1f} us (median of {})", text_of(task, at), quartiles(p.samples_us).median, p.samples_us.size()));
+        log(fmt::format("{}: {:.1f} us (lower quartile of {})", text_of(task, at), search_cost(p.samples_us),
+                        p.samples_us.size()));
       return p.samples_us;
     } catch (const InputError& e) {
       if (log) log(fmt::format("{}: refused: {}", text_of(task, at), e.what()));

@@ -29,7 +29,7 @@ struct Probe {
 };
 
 // Builds the detector, compares its whole contact set with the reference, warms up, takes up to `samples` hot samples (fewer, one
-// at least, once they have lasted 0.2 s). Throws InputError where the parameters are refused or memory does not
+// at least, where they last longer than 10 ms). Throws InputError where the parameters are refused or memory does not
 // suffice, Mismatch where the contact set differs.
 Probe probe(const TuningTask& task, const DetectorParams& params, int samples);
 

@@ -188,6 +188,13 @@ TEST(Search, ATimeThatWasLuckOnceDoesNotDecide) {
   EXPECT_EQ(search.best()->at.threads_narrow, 64);
 }
 
+TEST(Search, ComparesByTheLowerQuartile) {
+  EXPECT_EQ(search_cost({7}), 7);
+  EXPECT_EQ(search_cost({9, 5, 8}), 5);
+  EXPECT_EQ(search_cost({9, 8, 7, 6, 5, 4, 3, 2, 1}), 3);
+  EXPECT_EQ(search_cost({2, 2, 2, 90, 90, 90, 90, 90, 90}), 2);  // preempted two times in three
+}
+
 // ---- the contest ----
 
 std::vector<double> upto(int n) {
