@@ -25,11 +25,11 @@ int order_statistic(int n) {
 }  // namespace
 
 double Standing::median_us() const {
-  return rounds_us.empty() ? std::numeric_limits<double>::infinity() : median_interval(rounds_us).middle;
+  return rounds_us.empty() ? std::numeric_limits<double>::infinity() : interval_of_rounds(rounds_us).middle;
 }
 
-Interval median_interval(std::vector<double> values) {
-  if (values.empty()) throw std::logic_error("median_interval of nothing");
+Interval interval_of_rounds(std::vector<double> values) {
+  if (values.empty()) throw std::logic_error("interval_of_rounds of nothing");
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   const int k = order_statistic(static_cast<int>(n));
@@ -41,7 +41,7 @@ Ratio ratio_of(const Standing& slower, const Standing& faster) {
   std::vector<double> ratios;
   for (std::size_t k = 0; k < std::min(slower.rounds_us.size(), faster.rounds_us.size()); ++k)
     ratios.push_back(slower.rounds_us[k] / faster.rounds_us[k]);
-  Ratio r{median_interval(ratios), "SAME"};
+  Ratio r{interval_of_rounds(ratios), "SAME"};
   if (!r.interval.known)
     r.verdict = "UNSURE";
   else if (r.interval.low > 1)

@@ -28,7 +28,7 @@ struct Interval {
   double low = 0, middle = 0, high = 0;
   bool known = false;
 };
-Interval median_interval(std::vector<double> values);
+Interval interval_of_rounds(std::vector<double> values);
 
 // How many times as long `slower` took as `faster`: the median over rounds of the ratio within a round.
 // "FASTER": the interval lies above 1; "SLOWER": below; "SAME": it holds 1; "UNSURE": too few rounds for an interval.

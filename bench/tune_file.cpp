@@ -37,7 +37,7 @@ Json standing_json(const Standing& s) {
     j["refused"] = s.refused;
     return j;
   }
-  const Interval i = median_interval(s.rounds_us);
+  const Interval i = interval_of_rounds(s.rounds_us);
   j["median_us"] = i.middle;
   j["low_us"] = i.low;
   j["high_us"] = i.high;

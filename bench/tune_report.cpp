@@ -22,7 +22,7 @@ std::string threads_text(int broad, int narrow) {
 }
 
 std::string time_text(const Standing& s) {
-  const Interval i = median_interval(s.rounds_us);
+  const Interval i = interval_of_rounds(s.rounds_us);
   return fmt::format("{:.4g} ({:.4g} to {:.4g})", 1e-3 * i.middle, 1e-3 * i.low, 1e-3 * i.high);
 }
 

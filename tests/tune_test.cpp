@@ -209,14 +209,14 @@ TEST(Contest, IntervalsOfTheMedianAreOrderStatistics) {
     int n, low;
   };
   for (const Row r : {Row{6, 1}, {8, 1}, {9, 2}, {11, 2}, {12, 3}, {15, 4}, {17, 5}, {20, 6}, {25, 8}}) {
-    const Interval i = median_interval(upto(r.n));
+    const Interval i = interval_of_rounds(upto(r.n));
     EXPECT_TRUE(i.known);
     EXPECT_EQ(i.low, r.low) << r.n;
     EXPECT_EQ(i.high, r.n + 1 - r.low) << r.n;
     EXPECT_EQ(i.middle, 0.5 * (r.n + 1)) << r.n;
   }
-  EXPECT_FALSE(median_interval(upto(5)).known);
-  EXPECT_THROW(median_interval({}), std::logic_error);
+  EXPECT_FALSE(interval_of_rounds(upto(5)).known);
+  EXPECT_THROW(interval_of_rounds({}), std::logic_error);
 }
 
 Standing standing(std::vector<double> rounds) {
