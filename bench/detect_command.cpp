@@ -25,10 +25,12 @@ struct DetectOptions {
   DetectorParams params;
 };
 
+// Zeros in `params` are the detector's own choice.
 Measurement measure(const DetectorInfo& info, const DetectorParams& params, OutputForm output, Launch launch, Cache cache,
                     PackingContext& context) {
   Case c;
   c.study = "detect";
+  c.protocol = Protocol::given;
   c.detector = &info;
   c.output = output;
   c.launch = launch;

@@ -1,4 +1,5 @@
 // `touchstone tune`: the search on costs whose optimum is known, the contest's statistics, the budget, the file, the programs.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -480,9 +481,16 @@ TEST_F(TuneProgram, TunesAndDetectReadsTheAnswer) {
   const auto j = testing::parse_strictly(testing::file_text(file("t.json")));
   EXPECT_EQ(j["schema"], "touchstone-tune/1");
 
+  // Its own choice would be 8 ravg; 3.5 ravg can only come from the file.
+  auto edited = j;
+  edited["choice"]["detector"] = "serial_multi_cell";
+  edited["choice"]["cell_ravg"] = 3.5;
+  testing::write_text(file("t.json"), edited.dump());
   const Outcome same = touchstone("detect " + spec + " --config " + file("t.json"));
   ASSERT_EQ(same.code, 0) << same.err;
-  EXPECT_THAT(same.out, HasSubstr(j["choice"]["detector"].get<std::string>()));
+  EXPECT_THAT(same.out, HasSubstr("\nserial_multi_cell "));
+  EXPECT_THAT(same.out,
+              HasSubstr(fmt::format("\ncell                       {:.4g} cm", 3.5 * j["packing"]["ravg_cm"].get<double>())));
   EXPECT_THAT(same.err, Not(HasSubstr("note:")));
 
   const Outcome other =
@@ -491,6 +499,12 @@ TEST_F(TuneProgram, TunesAndDetectReadsTheAnswer) {
   EXPECT_THAT(other.err, HasSubstr("note: rmax"));
   EXPECT_THAT(other.err, HasSubstr("note: 500 balls"));
   EXPECT_THAT(other.err, HasSubstr("note: output ball_lists, tuned for pairs"));
+}
+
+TEST_F(TuneProgram, DetectLeavesToTheDetectorWhatIsNotGiven) {
+  const std::string detect = "detect --spec n=300,c=1,kind=loose,base=cube,phi=0.3 --detector serial_multi_cell";
+  EXPECT_THAT(touchstone(detect).out, HasSubstr("\ncell                       2 cm"));  // 8 ravg, not equation 3's 2
+  EXPECT_THAT(touchstone(detect + " --cell-cm 0.7").out, HasSubstr("\ncell                       0.7 cm"));
 }
 
 TEST_F(TuneProgram, WhatItRefuses) {
