@@ -92,9 +92,10 @@ const MultiprocessorLimits& multiprocessor(std::string_view compute_capability) 
 
 Occupancy occupancy(const MultiprocessorLimits& m, const KernelNeeds& needs) {
   if (needs.threads < 1 || needs.registers < 0 || needs.shared_bytes < 0)
-    throw InputError(fmt::format("occupancy of {} threads, {} registers, {} B of shared memory: threads must be at least 1, "
-                                 "the others not negative",
-                                 needs.threads, needs.registers, needs.shared_bytes));
+    throw InputError(
+        fmt::format("occupancy of {} threads, {} registers, {} B of shared memory: threads must be at least 1, "
+                    "the others not negative",
+                    needs.threads, needs.registers, needs.shared_bytes));
   const int warps = (needs.threads + kWarp - 1) / kWarp;
   const struct {
     std::string_view name;
@@ -103,8 +104,8 @@ Occupancy occupancy(const MultiprocessorLimits& m, const KernelNeeds& needs) {
                 {"blocks", m.blocks},
                 {"registers", blocks_by_registers(m, warps, needs.registers)},
                 {"shared memory", blocks_by_shared_memory(m, needs.shared_bytes)}};
-  const auto& least = *std::min_element(std::begin(limits), std::end(limits),
-                                        [](const auto& a, const auto& b) { return a.blocks < b.blocks; });
+  const auto& least =
+      *std::min_element(std::begin(limits), std::end(limits), [](const auto& a, const auto& b) { return a.blocks < b.blocks; });
   Occupancy o;
   o.blocks = least.blocks;
   o.warps = o.blocks * warps;

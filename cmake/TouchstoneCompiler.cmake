@@ -1,11 +1,15 @@
-# One interface target carries what every target of ours is compiled with.
+# One interface target carries what every target of ours is compiled with; what is not for the build alone is exported.
 add_library(touchstone_options INTERFACE)
-target_include_directories(touchstone_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
+target_include_directories(touchstone_options INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
 target_compile_features(touchstone_options INTERFACE cxx_std_20)
 
-# in_contact() must round every operation: a contraction to FMA changes the contact set (design.md, "Contact").
+# in_contact() must round every operation: a contraction to FMA changes the contact set (design.md, "Contact"). It is an inline
+# function, so programs that use an installed Touchstone need the flag too.
 target_compile_options(touchstone_options INTERFACE
-  $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off -Wall -Wextra -Wshadow>)
+  $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>
+  $<INSTALL_INTERFACE:$<$<COMPILE_LANG_AND_ID:CUDA,NVIDIA>:-Xcompiler=-ffp-contract=off>>
+  $<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wshadow>>)
 
 if(TOUCHSTONE_SANITIZE STREQUAL "address")
   add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fsanitize=address,undefined> $<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize-recover=all>

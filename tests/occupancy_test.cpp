@@ -37,8 +37,8 @@ struct Known {
   const char* limited_by;
 };
 
-// Worked by hand from the rules in occupancy.cpp; the first two of 9.0 are the example of NVIDIA's Best Practices Guide (given there
-// for 7.0, which gives registers alike): 128 threads of 37 registers, 12 blocks, 75 %; 320 threads, 4 blocks, 63 %.
+// Worked by hand from the rules in occupancy.cpp; the first two of 9.0 are the example of NVIDIA's Best Practices Guide (given
+// there for 7.0, which gives registers alike): 128 threads of 37 registers, 12 blocks, 75 %; 320 threads, 4 blocks, 63 %.
 TEST(Occupancy, KnownValues) {
   const Known known[] = {
       {"9.0", {128, 37, 0}, 12, "registers"},
@@ -51,6 +51,7 @@ TEST(Occupancy, KnownValues) {
       {"9.0", {128, 32, 227 * 1024 + 1}, 0, "shared memory"},
       {"2.0", {192, 20, 0}, 8, "warps"},  // 20 registers and 192 threads: the whole multiprocessor
       {"2.0", {192, 21, 0}, 7, "registers"},
+      {"2.0", {608, 25, 0}, 2, "warps"},      // 832 registers a warp: 38 warps, two blocks of 19
       {"2.0", {128, 63, 0}, 4, "registers"},  // 16 warps of 48: the third that 63 registers leave
       {"2.0", {128, 64, 0}, 0, "registers"},
       {"2.0", {256, 16, 12288}, 4, "shared memory"},
