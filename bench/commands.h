@@ -15,5 +15,6 @@ void add_version_command(CLI::App& app);
 void add_publish_command(CLI::App& app, int& exit_code);  // publish_command.cpp
 void add_report_command(CLI::App& app, int& exit_code);   // report_command.cpp
 void add_tune_command(CLI::App& app, int& exit_code);     // tune_command.cpp
+void add_submit_command(CLI::App& app, int& exit_code);   // submit_command.cpp
 
 }  // namespace touchstone

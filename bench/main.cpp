@@ -15,12 +15,14 @@ int main(int argc, char** argv) {
     add_list_command(app);
     add_publish_command(app, exit_code);
     add_report_command(app, exit_code);
+    add_submit_command(app, exit_code);
     add_plan_command(app, exit_code);
     add_tune_command(app, exit_code);
     add_version_command(app);
     if (const int code = parse(app, argc, argv); code >= 0) return code;
     if (app.get_subcommands().empty()) {
       fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, tune or version (--help)\n");
+      fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, submit or version (--help)\n");
       return static_cast<int>(kExitInput);
     }
     return exit_code;

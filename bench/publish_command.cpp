@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/commands.h"
+#include "bench/submission.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -20,16 +21,6 @@ struct PublishOptions {
   std::filesystem::path local = "build/results", results = "results";
 };
 
-// Why a file may not be published; empty if it may.
-std::string objection(const nlohmann::json& file) {
-  const nlohmann::json& run = file.at("context").at("touchstone").at("run");
-  if (!run.at("reportable").get<bool>()) return "not reportable: " + run.at("why_not").dump();
-  if (file.at("benchmarks").empty()) return "holds no case";
-  for (const nlohmann::json& entry : file.at("benchmarks"))
-    if (entry.at("case").at("verified") != true) return "not verified: " + entry.at("name").get<std::string>();
-  return {};
-}
-
 int publish(const PublishOptions& o) {
   std::vector<std::filesystem::path> files;
   if (std::filesystem::is_directory(o.local))
@@ -37,24 +28,20 @@ int publish(const PublishOptions& o) {
       if (entry.path().extension() == ".json") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   if (files.empty()) throw InputError(fmt::format("publish: no measurements in {}; `make figures` makes them", o.local.string()));
+  const nlohmann::json expected = read_expected(o.results / "expected.json");
   int refused = 0;
   for (const std::filesystem::path& path : files) {
     const std::string bytes = read_whole(path);
-    std::string why;
-    try {
-      why = objection(nlohmann::json::parse(bytes));
-    } catch (const nlohmann::json::exception& e) {
-      why = std::string("not a results file: ") + e.what();
+    const std::vector<std::string> faults = faults_of(bytes, path, expected);
+    for (const std::string& fault : faults) fmt::print(stderr, "publish: {} stays out: {}\n", path.string(), fault);
+    if (!faults.empty()) {
+      ++refused;
+      continue;
     }
     const std::filesystem::path to = o.results / std::filesystem::relative(path, o.local);
-    if (why.empty()) {
-      std::filesystem::create_directories(to.parent_path());
-      write_atomically(to, bytes);
-      fmt::print("{}\n", to.string());
-    } else {
-      fmt::print(stderr, "publish: {} stays out, {}\n", path.string(), why);
-      ++refused;
-    }
+    std::filesystem::create_directories(to.parent_path());
+    write_atomically(to, bytes);
+    fmt::print("{}\n", to.string());
   }
   return refused ? kExitPartial : kExitOk;
 }

@@ -80,13 +80,17 @@ Bed bed_of(const PackingFacts& facts) {
     bed.edge[axis] = static_cast<double>(facts.surfaces.upper[axis]) - facts.surfaces.lower[axis];
   const double width = (static_cast<double>(facts.rmax) - facts.rmin) / kClasses;
   std::size_t last = kClasses;  // class of the ball before
-  for (const auto& [radius, balls] : facts.radii) {
+  double mean_of_upper = 0;
+  for (const auto& [upper, balls] : facts.radii) mean_of_upper += static_cast<double>(upper) * balls / facts.n;
+  for (const auto& [upper, balls] : facts.radii) {
     if (balls == 0) continue;
+    // The histogram gives the upper end of each bin: moved back, so that the mean radius is the packing's.
+    const double radius = std::max<double>(facts.rmin, upper - (mean_of_upper - facts.ravg));
     const auto k = width > 0 ? std::min(kClasses - 1, static_cast<std::size_t>((radius - facts.rmin) / width)) : 0;
     if (bed.radii.empty() || k != last) bed.radii.push_back({});
     last = k;
     RadiusClass& c = bed.radii.back();
-    c.radius = (c.radius * c.balls + static_cast<double>(radius) * balls) / (c.balls + balls);
+    c.radius = (c.radius * c.balls + radius * balls) / (c.balls + balls);
     c.balls += balls;
   }
   return bed;

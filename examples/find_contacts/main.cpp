@@ -21,6 +21,7 @@ int main(int argc, char** argv) try {
     if (row.label() == name) detector = &row;
 #endif
   if (!detector) throw InputError("no detector '" + name + "' in this build");
+  if (detector->place == Place::device && device_count() == 0) throw InputError(name + " needs a GPU, and none can be used");
 
   Stream stream(detector->place);
   const Detection detection = detect_completely(*detector, packing.balls, facts_of(packing.balls), {}, OutputForm::pairs, stream);
