@@ -193,8 +193,7 @@ TEST(Submission, AWrongValueIsNamed) {
     const json::json_pointer at(d.pointer);
     ASSERT_TRUE(!bad.contains(at) || bad[at] != d.value) << d.pointer << " is that value already";
     bad[at] = d.value;
-    if (at.parent_pointer().back() == "case" &&
-        at.parent_pointer().parent_pointer().back() == "9")  // of one case, all entries say the same
+    if (d.pointer.starts_with(c))  // all entries of a case say the same
       for (int k = 10; k < 18; ++k) bad["benchmarks"][k]["case"] = bad["benchmarks"][9]["case"];
     EXPECT_THAT(faults(bad), Contains(HasSubstr(d.says))) << d.pointer << " = " << d.value;
   }
