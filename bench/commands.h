@@ -13,6 +13,8 @@ void add_list_command(CLI::App& app);                    // list_command.cpp
 void add_plan_command(CLI::App& app, int& exit_code);
 void add_version_command(CLI::App& app);
 void add_publish_command(CLI::App& app, int& exit_code);  // publish_command.cpp
+void add_verify_command(CLI::App& app, int& exit_code);   // verify_command.cpp
+void add_compare_command(CLI::App& app, int& exit_code);  // compare_command.cpp
 void add_report_command(CLI::App& app, int& exit_code);   // report_command.cpp
 void add_tune_command(CLI::App& app, int& exit_code);     // tune_command.cpp
 void add_submit_command(CLI::App& app, int& exit_code);   // submit_command.cpp

@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
     add_pack_command(app, exit_code);
     add_detect_command(app, exit_code);
     add_list_command(app);
+    add_verify_command(app, exit_code);
+    add_compare_command(app, exit_code);
     add_publish_command(app, exit_code);
     add_report_command(app, exit_code);
     add_submit_command(app, exit_code);
@@ -23,6 +25,7 @@ int main(int argc, char** argv) {
     if (app.get_subcommands().empty()) {
       fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, tune or version (--help)\n");
       fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, submit or version (--help)\n");
+      fmt::print(stderr, "touchstone: say which: pack, detect, verify, compare, list, plan, publish, report or version (--help)\n");
       return static_cast<int>(kExitInput);
     }
     return exit_code;

@@ -23,6 +23,7 @@ enum ExitCode : int {
   kExitPartial = 4,       // some cases were skipped; the others are saved
   kExitNoGpu = 5,         // a GPU was asked for and none can be used
   kExitNothingRan = 6,    // a filter or profile left nothing to do
+  kExitSlower = 7,        // `touchstone compare --fail-on-slow`: a case became slower
   kExitInterrupted = 130  // Ctrl-C; finished cases are saved
 };
 
