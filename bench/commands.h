@@ -18,5 +18,6 @@ void add_compare_command(CLI::App& app, int& exit_code);  // compare_command.cpp
 void add_report_command(CLI::App& app, int& exit_code);   // report_command.cpp
 void add_tune_command(CLI::App& app, int& exit_code);     // tune_command.cpp
 void add_submit_command(CLI::App& app, int& exit_code);   // submit_command.cpp
+void add_claims_command(CLI::App& app, int& exit_code);   // claims_command.cpp
 
 }  // namespace touchstone

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     add_publish_command(app, exit_code);
     add_report_command(app, exit_code);
     add_submit_command(app, exit_code);
+    add_claims_command(app, exit_code);
     add_plan_command(app, exit_code);
     add_tune_command(app, exit_code);
     add_version_command(app);
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
       fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, tune or version (--help)\n");
       fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, submit or version (--help)\n");
       fmt::print(stderr, "touchstone: say which: pack, detect, verify, compare, list, plan, publish, report or version (--help)\n");
+      fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, claims or version (--help)\n");
       return static_cast<int>(kExitInput);
     }
     return exit_code;
