@@ -122,7 +122,8 @@ std::vector<Fields> read_packings(const fs::path& path) {
   std::vector<Fields> rows;
   if (!fs::exists(path)) return rows;
   const json expected = read_json(path);
-  for (const auto& [name, facts] : expected.value("packings", json::object()).items()) {
+  const json packings = expected.value("packings", json::object());
+  for (const auto& [name, facts] : packings.items()) {
     Fields row = facts;
     row["packing"] = name;
     // The largest radius is drawn by quota and stays a little below its bound: the cell factor is the ratio rounded.
