@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "bench/claims/fits.h"
 #include "bench/claims/select.h"
+#include "bench/occupancy.h"
 #include "touchstone/error.h"
 
 namespace touchstone::claims {
 namespace {
+
+const std::string kProgram = "build/cpu/bench/touchstone claims";
 
 // Table 3 as printed, its occupancy recomputed for another compute capability.
 Series table3_occupancy(const ResultsIndex& index, const std::string& compute_capability) {
@@ -19,10 +21,10 @@ Series table3_occupancy(const ResultsIndex& index, const std::string& compute_ca
   const Series threads = column("threads"), registers = column("registers"), shared = column("shared_memory_bytes");
   Series series;
   for (std::size_t k = 0; k < threads.size(); ++k) {
-    const auto occupancy = occupancy_on(compute_capability, static_cast<int>(threads[k].value),
-                                        static_cast<int>(registers[k].value), static_cast<int>(shared[k].value));
-    if (!occupancy) throw Missing{"occupancy arithmetic for compute capability " + compute_capability};
-    series.push_back(point_at(threads[k].label, *occupancy, *occupancy, *occupancy));
+    const KernelNeeds needs{static_cast<int>(threads[k].value), static_cast<int>(registers[k].value),
+                            static_cast<int>(shared[k].value)};
+    const double share = touchstone::occupancy(multiprocessor(compute_capability), needs).share;
+    series.push_back(point_at(threads[k].label, share, share, share));
   }
   return series;
 }
@@ -103,10 +105,13 @@ std::string refuting_command(const Claim& claim, const Claims& claims) {
   if (!claim.refute.empty()) return claim.refute;
   std::set<std::string> studies;
   for (const Rule& rule : claim.rules) studies.insert(rule.studies.begin(), rule.studies.end());
-  if (studies.empty()) return "touchstone claims --only " + claim.id;
+  if (studies.empty()) return kProgram + " --only " + claim.id;
   std::string command;
-  for (const std::string& study : studies) command += claims.studies.at(study) + " && ";
-  return command + "touchstone claims --local build/results --only " + claim.id;
+  for (const std::string& study : studies) {
+    if (claims.studies.at(study).empty()) return fmt::format("nothing here measures study {} yet", study);
+    command += claims.studies.at(study) + " && ";
+  }
+  return command + kProgram + " --local build/results --only " + claim.id;
 }
 
 }  // namespace
@@ -132,8 +137,13 @@ Series evaluate(const Expression& e, const ResultsIndex& index, const Source* so
     case Operator::packings:
     case Operator::optimum:
       return select_series(e, index, source, flags);
-    case Operator::sum:
-      return combine(argument(0), argument(1), sum);
+    case Operator::sum: {
+      Series total = argument(0);
+      for (std::size_t k = 1; k < e.arguments.size(); ++k) total = combine(total, argument(k), sum);
+      return total;
+    }
+    case Operator::power:
+      return combine(argument(0), argument(1), power);
     case Operator::difference:
       return combine(argument(0), argument(1), difference);
     case Operator::product:
@@ -206,7 +216,5 @@ std::vector<Judgement> judge_all(const Claims& claims, const ResultsIndex& index
   for (const Claim& claim : claims.claims) judgements.push_back(judge(claim, claims, index));
   return judgements;
 }
-
-std::optional<double> occupancy_on(const std::string&, int, int, int) { return std::nullopt; }
 
 }  // namespace touchstone::claims

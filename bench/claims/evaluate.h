@@ -1,7 +1,6 @@
 // Claims and results in, verdicts out. Pure: nothing is read or written here.
 #pragma once
 
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -55,9 +54,5 @@ Tally compare(const Rule& rule, const Series& value, const Series& threshold);
 // any device, then "all", "none" or "some" of the tests hold.
 Judgement judge(const Claim& claim, const Claims& claims, const ResultsIndex& index);
 std::vector<Judgement> judge_all(const Claims& claims, const ResultsIndex& index);
-
-// Fraction of a multiprocessor's warps that are resident, by the occupancy arithmetic of a compute capability ("1.3", "2.0");
-// nothing if this build has no such arithmetic.
-std::optional<double> occupancy_on(const std::string& compute_capability, int threads, int registers, int shared_bytes);
 
 }  // namespace touchstone::claims

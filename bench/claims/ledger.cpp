@@ -38,7 +38,7 @@ std::string test_text(const Rule& rule, const Finding& f) {
 
 std::string finding_text(const Rule& rule, const Finding& f, bool with_name) {
   const std::string name = with_name ? rule.name + ": " : "";
-  if (!f.decided()) return name + "not measured: " + f.missing;
+  if (!f.decided()) return name + (f.slug == "published" ? "missing: " : "not measured: ") + f.missing;
   return fmt::format("{}{} {}: {}", name, series_text(f.value), test_text(rule, f), answer(f));
 }
 
@@ -55,7 +55,7 @@ std::string device_cell(const Judgement& j, const std::string& slug) {
         texts.push_back(finding_text(*r.rule, f, true));
       }
   if (texts.empty()) return "-";
-  if (!any) return "not measured: " + first_missing;
+  if (!any) return (slug == "published" ? "missing: " : "not measured: ") + first_missing;
   return fmt::format("{}", fmt::join(texts, "; "));
 }
 
@@ -136,7 +136,7 @@ report::Table claims_table(const std::vector<Judgement>& judgements, const Resul
   for (const auto& [verdict, n] : verdict_counts(judgements)) sum += fmt::format("; {} {}", n, verdict);
   t.notes.push_back(sum + ".");
   t.notes.push_back("A range stands for several points, with at how many the test holds; parentheses hold an interval.");
-  t.notes.push_back("* a case behind the number carries a flag of its own, such as noise or few_samples; the JSON names it.");
+  t.notes.push_back("* a case behind the time carries a flag of its own, such as noise or few_samples; the JSON names it.");
   if (index.devices.empty()) t.notes.push_back("not measured: no results of any machine of today");
   return t;
 }

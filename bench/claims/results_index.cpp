@@ -163,7 +163,7 @@ bool is_known_field(const std::string& name) {
                                            "rmin_cm",
                                            "rmax_cm",
                                            "ravg_cm",
-                                           "spacing_cm",
+                                           "volume_cm3",
                                            "mix",
                                            "kind",
                                            "base_cm",
@@ -204,7 +204,7 @@ bool is_known_field(const std::string& name) {
                                            "us_per_step",
                                            "total_s",
                                            "extrapolated"};
-  for (const char* prefix : {"device.", "host.", "calibration.", "kernel.", "phases.", "rheometer."})
+  for (const char* prefix : {"device.", "host.", "calibration.", "kernel.", "phases_us.", "rheometer."})
     if (name.starts_with(prefix)) return true;
   return known.count(name) > 0;
 }

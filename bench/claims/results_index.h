@@ -9,7 +9,7 @@
 
 namespace touchstone::claims {
 
-// A flat object: the keys of a record's `case`, nested ones with a dot ("phases.sort_us"), and the facts of the machine it ran
+// A flat object: the keys of a record's `case`, nested ones with a dot ("phases_us.sort"), and the facts of the machine it ran
 // on ("device.l2_bytes", "host.cores"). A record with `kernels` gives one more row a kernel ("kernel.phase", …).
 using Fields = nlohmann::json;
 

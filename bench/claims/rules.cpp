@@ -14,6 +14,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+constexpr std::size_t kTwoOrMore = 0;  // arguments
+
 // How an operator is written: {"<name>": what, further keys}.
 enum class Shape { number, table, selector, arguments };
 struct Syntax {
@@ -36,10 +38,11 @@ const std::map<std::string, Syntax>& vocabulary() {
                                                    {"least", {least, Shape::selector, 0, {"field"}, {"by"}}},
                                                    {"packings", {packings, Shape::selector, 0, {"field"}, {"by"}}},
                                                    {"optimum", {optimum, Shape::selector, 0, {"field", "over"}, {"by"}}},
-                                                   {"sum", {sum, Shape::arguments, 2}},
+                                                   {"sum", {sum, Shape::arguments, kTwoOrMore}},
                                                    {"difference", {difference, Shape::arguments, 2}},
                                                    {"product", {product, Shape::arguments, 2}},
                                                    {"ratio", {ratio, Shape::arguments, 2}},
+                                                   {"power", {power, Shape::arguments, 2}},
                                                    {"plus_minus", {plus_minus, Shape::arguments, 2}},
                                                    {"interpolate", {interpolate, Shape::arguments, 2}},
                                                    {"steps", {steps, Shape::arguments, 1}},
@@ -70,7 +73,8 @@ bool reads_rows(Operator op) {
 // Everything a claim may refer to, and where we are for messages.
 class Parser {
  public:
-  Parser(const json& series, const std::map<std::string, std::string>& studies) : series_(series), studies_(studies) {}
+  Parser(const json& file, const std::map<std::string, std::string>& studies)
+      : selectors_(file["selectors"]), series_(file["series"]), studies_(studies) {}
 
   Claim claim(const json& j) {
     id_ = j.is_object() && j.contains("id") && j["id"].is_string() ? j["id"].get<std::string>() : "?";
@@ -199,13 +203,14 @@ class Parser {
       e.arguments = {expression(j)};
       return;
     }
-    if (!j.is_array() || j.size() != wanted) fail(name, fmt::format("an array of {} arguments is wanted", wanted));
+    const bool right = j.is_array() && (wanted == kTwoOrMore ? j.size() >= 2 : j.size() == wanted);
+    if (!right) fail(name, fmt::format("an array of {} arguments is wanted", wanted ? std::to_string(wanted) : "two or more"));
     for (const json& argument : j) e.arguments.push_back(expression(argument));
   }
 
   void selection(const json& j, const std::string& name, Expression& e) {
-    if (!j[name].is_object()) fail(name, "a selector is wanted: {\"field\": value, …}");
-    for (const auto& [field, wanted] : j[name].items()) e.select.push_back(match(field, wanted));
+    const json selector = resolved(j[name], name);
+    for (const auto& [field, wanted] : selector.items()) e.select.push_back(match(field, wanted));
     if (j.contains("field")) e.field = known_field(text(j, "field"));
     if (j.contains("over")) e.over = known_field(text(j, "over"));
     if (j.contains("by"))
@@ -214,10 +219,25 @@ class Parser {
         e.by.push_back(known_field(field));
       }
     if (!reads_rows(e.op)) return;
-    if (!j[name].contains("study") || !j[name]["study"].is_string()) fail(name, "a selector names its study");
-    const std::string study = j[name]["study"];
+    if (!selector.contains("study") || !selector["study"].is_string()) fail(name, "a selector names its study");
+    const std::string study = selector["study"];
     if (!studies_.count(study)) fail("study", fmt::format("'{}' is not among the studies of this file", study));
     used_studies_.insert(study);
+  }
+
+  // A selector by name, or in full; {"like": name, …} is the named one with further or other fields.
+  json resolved(const json& selector, const std::string& key) const {
+    if (selector.is_string()) {
+      if (!selectors_.contains(selector)) fail(key, "no selector is named " + selector.dump());
+      return selectors_[selector.get<std::string>()];
+    }
+    if (!selector.is_object()) fail(key, "a selector is wanted: {\"field\": value, …} or the name of one");
+    if (!selector.contains("like")) return selector;
+    if (!selector["like"].is_string()) fail("like", "the name of a selector is wanted");
+    json merged = resolved(selector["like"], "like");
+    for (const auto& [field, wanted] : selector.items())
+      if (field != "like") merged[field] = wanted;
+    return merged;
   }
 
   std::string known_field(const std::string& field) const {
@@ -241,7 +261,7 @@ class Parser {
     return m;
   }
 
-  const json& series_;
+  const json &selectors_, &series_;
   const std::map<std::string, std::string>& studies_;
   std::string id_;
   std::set<std::string> in_progress_, used_studies_;
@@ -252,13 +272,14 @@ class Parser {
 Claims parse_claims(const json& file) {
   if (!file.is_object() || file.value("schema", "") != "touchstone-claims/1")
     throw InputError("claims: schema is not touchstone-claims/1");
-  for (const char* key : {"studies", "series", "claims"})
+  for (const char* key : {"studies", "selectors", "series", "claims"})
     if (!file.contains(key)) throw InputError(fmt::format("claims: no key '{}'", key));
   Claims all;
-  for (const auto& [study, command] : file["studies"].items()) all.studies[study] = command.get<std::string>();
+  for (const auto& [study, command] : file["studies"].items())
+    all.studies[study] = command.is_null() ? "" : command.get<std::string>();
   std::set<std::string> ids;
   for (const json& j : file["claims"]) {
-    all.claims.push_back(Parser(file["series"], all.studies).claim(j));
+    all.claims.push_back(Parser(file, all.studies).claim(j));
     if (!ids.insert(all.claims.back().id).second)
       throw InputError(fmt::format("claim '{}', key 'id': used twice", all.claims.back().id));
   }

@@ -34,6 +34,7 @@ enum class Operator {
   difference,
   product,
   ratio,
+  power,        // the first to the power of the second
   plus_minus,   // the first, give or take the second
   interpolate,  // the first (log-log, between its points) at the places of the second
   steps,        // each point divided by the one before it
@@ -89,7 +90,7 @@ struct Claim {
 
 struct Claims {
   std::vector<Claim> claims;
-  std::map<std::string, std::string> studies;  // name -> the command that measures it
+  std::map<std::string, std::string> studies;  // name -> the command that measures it; "": nothing does yet
 };
 
 // Reads and checks the whole file. Throws InputError naming the claim and the key: an unknown operator, test, verdict, study or

@@ -129,7 +129,8 @@ Series least_of(const Expression& e, const std::vector<const Fields*>& rows) {
   for (const auto& [place, group] : grouped(e, rows)) {
     Series values;
     for (const Fields* row : group) values.push_back(point_of(e, *row, e.by));
-    series.push_back(least(values).front());
+    const Point p = least(values).front();
+    series.push_back(point_at(place, p.value, p.low, p.high));
   }
   sort_points(series);
   return series;
@@ -148,7 +149,7 @@ bool matches(const Fields& row, const Selector& selector) {
 
 Series printed_column(const ResultsIndex& index, const std::string& table, const std::string& column, const std::string& by) {
   const auto at = index.printed.find(table);
-  if (at == index.printed.end()) throw Missing{"printed values of " + table};
+  if (at == index.printed.end()) throw Missing{"numbers of " + table + ", which the paper does not print"};
   const auto& columns = at->second.columns;
   auto position = [&](const std::string& name) {
     const auto place = std::find(columns.begin(), columns.end(), name);
@@ -181,7 +182,7 @@ Series select_series(const Expression& e, const ResultsIndex& index, const Sourc
         static_cast<double>(std::count_if(rows.begin(), rows.end(), [&](const Fields& row) { return matches(row, e.select); })))};
   }
   const std::vector<const Fields*> rows = picked(e, source->rows);
-  note_flags(rows, flags);
+  if (e.field.ends_with("_us") || e.field.starts_with("phases_us.")) note_flags(rows, flags);  // of a time only
   if (e.op == Operator::distinct) return distinct(e, rows);
   if (e.op == Operator::least) return least_of(e, rows);
   if (e.op == Operator::optimum) return optima(e, rows);

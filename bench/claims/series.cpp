@@ -70,6 +70,11 @@ Point ratio(const Point& a, const Point& b) {
   if (b.low <= 0 && b.high >= 0) throw Missing{"a ratio to a number that may be 0"};
   return hull(a, a.value / b.value, {a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high});
 }
+Point power(const Point& a, const Point& b) {
+  if (!(a.low > 0)) throw Missing{"a power of a number that may not be positive"};
+  return hull(a, std::pow(a.value, b.value),
+              {std::pow(a.low, b.low), std::pow(a.low, b.high), std::pow(a.high, b.low), std::pow(a.high, b.high)});
+}
 Point plus_minus(const Point& a, const Point& b) { return hull(a, a.value, {a.low - b.value, a.high + b.value}); }
 
 Series interpolate(const Series& a, const Series& b) {
@@ -95,7 +100,15 @@ Series steps(const Series& series) {
   return result;
 }
 
-Series least(const Series& series) { return {*std::min_element(series.begin(), series.end(), lower)}; }
-Series greatest(const Series& series) { return {*std::max_element(series.begin(), series.end(), lower)}; }
+Series least(const Series& series) {
+  Point p = *std::min_element(series.begin(), series.end(), lower);
+  p.label.clear(), p.at = std::numeric_limits<double>::quiet_NaN();
+  return {p};
+}
+Series greatest(const Series& series) {
+  Point p = *std::max_element(series.begin(), series.end(), lower);
+  p.label.clear(), p.at = std::numeric_limits<double>::quiet_NaN();
+  return {p};
+}
 
 }  // namespace touchstone::claims

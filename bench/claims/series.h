@@ -33,6 +33,7 @@ Point sum(const Point& a, const Point& b);
 Point difference(const Point& a, const Point& b);
 Point product(const Point& a, const Point& b);
 Point ratio(const Point& a, const Point& b);
+Point power(const Point& a, const Point& b);  // a > 0
 Point plus_minus(const Point& a, const Point& b);
 
 // a, linear in log-log between its neighbours, at the places of b; places outside of a's range are left out.
@@ -41,6 +42,7 @@ Series interpolate(const Series& a, const Series& b);
 // Each point divided by the one before it, at the later one's place.
 Series steps(const Series& series);
 
+// The extreme point with its interval, as a number that belongs nowhere.
 Series least(const Series& series);
 Series greatest(const Series& series);
 
