@@ -105,12 +105,13 @@ std::string refuting_command(const Claim& claim, const Claims& claims) {
   if (!claim.refute.empty()) return claim.refute;
   std::set<std::string> studies;
   for (const Rule& rule : claim.rules) studies.insert(rule.studies.begin(), rule.studies.end());
-  if (studies.empty()) return kProgram + " --only " + claim.id;
   std::string command;
   for (const std::string& study : studies) {
-    if (claims.studies.at(study).empty()) return fmt::format("nothing here measures study {} yet", study);
-    command += claims.studies.at(study) + " && ";
+    if (!claims.studies.at(study).empty()) command += claims.studies.at(study) + " && ";
   }
+  const bool published = std::any_of(claim.rules.begin(), claim.rules.end(), [](const Rule& r) { return !r.measured; });
+  if (command.empty() && !published) return fmt::format("nothing here measures {} yet", fmt::join(studies, ", "));
+  if (command.empty()) return kProgram + " --only " + claim.id;
   return command + kProgram + " --local build/results --only " + claim.id;
 }
 

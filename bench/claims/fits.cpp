@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace touchstone::claims {
@@ -53,8 +54,8 @@ Spread log_ratio(const Series& a, const Series& b) {
   Spread s{0, 0, 0, 0, static_cast<int>(ratios.size())};
   for (const Point& p : ratios) {
     s.mean += positive(p.value) / s.count;
-    s.mean_low += positive(p.low) / s.count;
-    s.mean_high += positive(p.high) / s.count;
+    s.mean_low += std::log(p.low) / s.count;  // -inf below an optimum at the start of its sweep
+    s.mean_high += std::log(p.high) / s.count;
   }
   for (const Point& p : ratios) s.deviation += std::pow(std::log(p.value) - s.mean, 2);
   s.deviation = std::sqrt(s.deviation / (s.count - 1));
@@ -110,9 +111,8 @@ Point optimum(const Series& sweep) {
     auto y = [&](std::size_t k) { return positive(sweep[k].value); };
     p.value = std::exp(vertex(x(best - 1), y(best - 1), x(best), y(best), x(best + 1), y(best + 1)));
   }
-  p.low = from > 0 ? halfway(from, from - 1) : sweep[from].at;
-  p.high = to < last ? halfway(to, to + 1) : sweep[to].at;
-  p.low = std::min(p.low, p.value), p.high = std::max(p.high, p.value);
+  p.low = from > 0 ? std::min(p.value, halfway(from, from - 1)) : 0;
+  p.high = to < last ? std::max(p.value, halfway(to, to + 1)) : std::numeric_limits<double>::infinity();
   return p;
 }
 

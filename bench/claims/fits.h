@@ -19,7 +19,8 @@ Point exponent(const Series& series);
 // of the parabola through the least point and its neighbours in log-log (a sweep is a grid; the optimum need not lie on it), the
 // least point itself at an end of the sweep. The interval holds every point around it whose quartiles overlap those of the least,
 // out to halfway to the next point: quartiles, because they also carry the drift within a run, which an interval of the median
-// (a few ten times narrower) does not. Halfway: geometric mean.
+// (a few ten times narrower) does not. Halfway: geometric mean. Where the band
+// reaches an end of the sweep nothing bounds it there: 0 or infinity.
 Point optimum(const Series& sweep);
 
 // k in a = k b: geometric mean of a/b over common places. Interval: the wider, on each side, of the 95 % t-interval of ln(a/b)

@@ -164,7 +164,8 @@ class Parser {
     if (!j.is_object()) fail("value", "a number, a name or an operator is wanted, not " + j.dump());
     const auto word =
         std::find_if(vocabulary().begin(), vocabulary().end(), [&](const auto& entry) { return j.contains(entry.first); });
-    if (word == vocabulary().end()) fail(j.empty() ? "value" : j.begin().key(), "unknown operator");
+    if (word == vocabulary().end())
+      fail(j.empty() ? "value" : j.begin().key(), fmt::format("unknown operator; known: {}", fmt::join(operator_names(), ", ")));
     const auto& [name, syntax] = *word;
     std::set<std::string> required = syntax.keys;
     required.insert(name);
@@ -294,6 +295,12 @@ Claims read_claims(const std::filesystem::path& path) {
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", path.string(), e.what()));
   }
+}
+
+std::vector<std::string> operator_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, syntax] : vocabulary()) names.push_back(name);
+  return names;
 }
 
 std::string to_string(Test test) {

@@ -98,6 +98,9 @@ struct Claims {
 Claims parse_claims(const nlohmann::ordered_json& file);
 Claims read_claims(const std::filesystem::path& path);
 
+// Every word of the vocabulary.
+std::vector<std::string> operator_names();
+
 // "<=", "overlaps", …
 std::string to_string(Test test);
 
