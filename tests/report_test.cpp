@@ -66,12 +66,12 @@ class Report : public ::testing::Test {
 TEST_F(Report, WithoutMeasurementsItSaysSo) {
   const Outcome o = report("a");
   ASSERT_EQ(o.code, 0) << o.err;
-  EXPECT_THAT(o.err, HasSubstr("a GPU of today: not measured"));
+  EXPECT_THAT(o.err, HasSubstr("no results/<device>/table2.json"));
   EXPECT_THAT(text("a/table2.md"), HasSubstr("not measured: no results of a GPU of today"));
   EXPECT_THAT(text("a/table2.md"), HasSubstr("| 140,063 | 671.88 | 21.34 | 9.79 | 31.49× | 68.65× |"));
   EXPECT_THAT(text("a/table1.md"), HasSubstr("| 4 | 0.25 | 1.00 | 0.27 |"));
   EXPECT_THAT(text("a/table1.md"), HasSubstr("not measured: c4_n50000 is not in expected.json"));
-  EXPECT_THAT(text("a/figure8.svg"), HasSubstr("a GPU of today: not measured"));
+  EXPECT_THAT(text("a/figure8_time.svg"), HasSubstr("a GPU of today: not measured"));
 }
 
 TEST_F(Report, SpeedUpsNameTheirBaseAndStandBesideItsTime) {

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <cctype>
 
+#include "bench/report/marks.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -22,6 +23,17 @@ double number(const json& object, const char* key) {
   return at == object.end() || !at->is_number() ? 0 : at->get<double>();
 }
 
+std::int64_t count(const json& object, const char* key) {
+  const auto at = object.find(key);
+  return at == object.end() || !at->is_number() ? -1 : at->get<std::int64_t>();
+}
+std::vector<std::string> words(const json& object, const char* key) {
+  std::vector<std::string> list;
+  for (const json& word : object.value(key, json::array()))
+    if (word.is_string()) list.push_back(word);
+  return list;
+}
+
 Row row_of(const json& c) {
   Row r;
   const std::string layout = text(c, "layout");
@@ -34,13 +46,27 @@ Row row_of(const json& c) {
   r.launch = text(c, "launch");
   r.cache = text(c, "cache");
   r.output = text(c, "output");
+  r.order = text(c, "order");
+  r.knowledge = text(c, "knowledge");
+  r.ablation = text(c, "ablation");
   r.n = static_cast<std::int64_t>(number(c, "n"));
   r.cell_cm = number(c, "cell_cm");
+  r.rmin_cm = number(c, "rmin_cm");
+  r.rmax_cm = number(c, "rmax_cm");
   r.ravg_cm = number(c, "ravg_cm");
   r.cell_factor = number(c, "cell_factor");
+  r.threads_broad = static_cast<int>(number(c, "threads_broad"));
+  r.threads_narrow = static_cast<int>(number(c, "threads_narrow"));
+  r.cells = count(c, "cells");
+  r.fullest_cell = count(c, "fullest_cell");
+  r.cell_capacity = count(c, "cell_capacity");
   r.median_us = number(c, "median_us");
+  r.q1_us = c.contains("q1_us") ? number(c, "q1_us") : r.median_us;
+  r.q3_us = c.contains("q3_us") ? number(c, "q3_us") : r.median_us;
+  r.flags = words(c, "flags");
   r.provenance = text(c, "provenance");
   r.printed = text(c, "printed");
+  r.record = c;
   return r;
 }
 
@@ -65,25 +91,47 @@ std::vector<Row> measured_rows(const json& file, const std::filesystem::path& pa
   return rows;
 }
 
+// Flags on every row are the run's; noise and too few samples are a row's own even if all rows
+// share them.
+void sort_out_flags(Device& d) {
+  if (!d.rows.empty())
+    for (const std::string& flag : d.rows.front().flags)
+      if (flag != "noise" && flag != "few_samples" && std::all_of(d.rows.begin(), d.rows.end(), [&](const Row& r) {
+            return std::find(r.flags.begin(), r.flags.end(), flag) != r.flags.end();
+          }))
+        d.common_flags.push_back(flag);
+  for (Row& r : d.rows) {
+    std::vector<std::string> own;
+    for (const std::string& flag : r.flags)
+      if (std::find(d.common_flags.begin(), d.common_flags.end(), flag) == d.common_flags.end()) own.push_back(flag);
+    r.marks = signs(own);
+  }
+}
+
 Device device_of(const json& file, const std::filesystem::path& path, bool local) {
   const json& t = file.at("context").at("touchstone");
   Device d;
   d.slug = path.parent_path().filename().string();
+  d.study = path.stem().string();
+  d.file = path;
   d.local = local;
   d.cpu = text(t.at("host"), "cpu");
   d.cores = static_cast<int>(number(t.at("host"), "cores"));
   if (t.at("device").is_object()) d.gpu = text(t["device"], "name");
-  d.label = d.has_gpu() ? d.gpu : fmt::format("{}, {} core{}", d.cpu, d.cores, d.cores == 1 ? "" : "s");
+  d.label = d.has_gpu() ? d.gpu : host_text(d);
   if (local) d.label += " (this machine)";
   d.reportable = t.at("run").value("reportable", false);
-  for (const json& reason : t["run"].value("why_not", json::array())) d.why_not.push_back(reason);
+  d.why_not = words(t["run"], "why_not");
   d.profile = text(t["run"], "profile");
   d.run_id = text(t["run"], "id");
   d.rows = measured_rows(file, path);
+  sort_out_flags(d);
   for (const json& s : t.value("skipped", json::array())) {
     d.skipped.push_back(row_of(s));
     d.skipped.back().printed = text(s, "message");
   }
+  d.facts = t;
+  d.facts.erase("skipped");
   return d;
 }
 
@@ -105,7 +153,25 @@ std::vector<Device> read_devices(const std::filesystem::path& root, const std::s
   }
   std::sort(files.begin(), files.end());
   std::vector<Device> devices;
-  for (const auto& file : files) devices.push_back(device_of(read_json(file), file, local));
+  for (const auto& file : files) {
+    const json content = read_json(file);
+    try {
+      devices.push_back(device_of(content, file, local));
+    } catch (const json::exception& e) {
+      throw InputError(fmt::format("{}: no results file: {}", file.string(), e.what()));
+    }
+  }
+  return devices;
+}
+
+std::vector<Device> read_both(const std::filesystem::path& root, const std::filesystem::path& local, const std::string& study) {
+  std::vector<Device> devices = read_devices(root, study, false);
+  if (local.empty()) return devices;
+  for (Device& d : read_devices(local, study, true)) {
+    const bool published =
+        std::any_of(devices.begin(), devices.end(), [&](const Device& other) { return other.run_id == d.run_id; });
+    if (!published) devices.push_back(std::move(d));
+  }
   return devices;
 }
 
@@ -113,6 +179,7 @@ Published read_published(const std::filesystem::path& root, const std::string& s
   const std::filesystem::path path = root / "paper" / (study + ".json");
   const json file = read_json(path);
   Published p;
+  p.file = path;
   p.rows = measured_rows(file, path);
   const json& t = file["context"]["touchstone"];
   p.table = t.at("table").at("rows").get<std::vector<std::vector<std::string>>>();
@@ -134,6 +201,22 @@ std::string why_missing(const Device& device, const Query& q) {
   any_size.n = 0;
   if (q.detector == "all_pairs" && find(device.rows, any_size)) return "not measured: quadratic, smaller sizes only";
   return "not measured: no such case in this run";
+}
+
+std::string short_name(const Device& d) {
+  std::string name = d.has_gpu() ? d.gpu : d.cpu;
+  for (const std::string word : {"NVIDIA ", "(R)", "(TM)"})
+    for (auto place = name.find(word); place != std::string::npos; place = name.find(word)) name.erase(place, word.size());
+  return d.has_gpu() ? name.substr(0, name.find(' ')) : name;
+}
+
+std::string host_text(const Device& d) { return fmt::format("{}, {} core{}", d.cpu, d.cores, d.cores == 1 ? "" : "s"); }
+
+std::string id_of(const Device& d) {
+  std::string id = d.slug + (d.local ? "_local" : "");
+  for (char& c : id)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '-';
+  return id;
 }
 
 }  // namespace touchstone::report

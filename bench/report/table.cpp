@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace touchstone::report {
 namespace {
@@ -37,7 +38,11 @@ std::string latex_text(const std::string& text) {
            : c == '~' ? std::string("\\~{}")
                       : std::string(1, c);
   }
-  return replace_all(replace_all(out, "×", "$\\times$"), "≥", "$\\geq$");
+  constexpr std::pair<const char*, const char*> kSigns[] = {
+      {"×", "$\\times$"}, {"≥", "$\\geq$"}, {"→", "$\\rightarrow$"}, {"µ", "$\\mu$"}, {"°", "$^\\circ$"}, {"†", "\\dag{}"},
+      {"‡", "\\ddag{}"},  {"§", "\\S{}"},   {"¶", "\\P{}"},          {"–", "--"},     {"…", "\\dots{}"}};
+  for (const auto& [sign, word] : kSigns) out = replace_all(out, sign, word);
+  return out;
 }
 
 std::string latex_line(const std::vector<std::string>& cells) {
@@ -81,6 +86,8 @@ std::string three_digits(double value) {
   const int decimals = std::max(0, 2 - static_cast<int>(std::floor(std::log10(value))));
   return fmt::format("{:.{}f}", value, decimals);
 }
+
+std::string number_text(double value) { return fmt::format("{:.4g}", value); }
 
 std::string with_commas(long long value) {
   std::string digits = std::to_string(value);

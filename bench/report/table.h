@@ -22,6 +22,9 @@ std::string to_latex(const Table& table);  // a `table` environment without pack
 // Three significant digits without exponent: 0.0941, 12.3, 672.
 std::string three_digits(double value);
 
+// Up to four significant digits, as they come: 1.25, 0.2763.
+std::string number_text(double value);
+
 // 140063 -> "140,063"
 std::string with_commas(long long value);
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "bench/report/marks.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -21,13 +22,13 @@ Query query(const std::string& detector, const std::string& protocol, std::int64
 
 std::string time_cell(const Device& device, const Query& q) {
   const Row* row = find(device.rows, q);
-  return row ? three_digits(1e-3 * row->median_us) : why_missing(device, q);
+  return row ? three_digits(1e-3 * row->median_us) + row->marks : why_missing(device, q);
 }
 
 // base / time; "not measured" where either is missing.
 std::string ratio_cell(const Device& device, const Query& base, const Query& time) {
   const Row *b = find(device.rows, base), *t = find(device.rows, time);
-  if (b && t) return three_digits(b->median_us / t->median_us) + "×";
+  if (b && t) return three_digits(b->median_us / t->median_us) + "×" + (t->marks.empty() ? b->marks : t->marks);
   return why_missing(device, b ? time : base);
 }
 
@@ -47,13 +48,13 @@ std::vector<std::string> detectors(const Device& device, const std::string& plac
 }
 
 void add_status(Table& t, const Device& device) {
+  if (!device.common_flags.empty())
+    t.notes.push_back(fmt::format("{}, every row: {}.", device.label, fmt::join(device.common_flags, ", ")));
   if (device.reportable) return;
   std::string why;
   for (const std::string& reason : device.why_not) why += (why.empty() ? "" : "; ") + reason;
   t.notes.push_back(fmt::format("{}: not reportable ({})", device.label, why));
 }
-
-std::string host_text(const Device& d) { return fmt::format("{}, {} core{}", d.cpu, d.cores, d.cores == 1 ? "" : "s"); }
 
 // One line of words, then the same quantity at every size.
 template <class Cell>
@@ -65,7 +66,7 @@ std::vector<std::string> line(const std::string& first, const std::string& secon
 }
 
 Table device_table(const Device& device, const std::string& id, const std::string& caption) {
-  Table t{id + "_" + device.slug + (device.local ? "_local" : ""), caption, {"detector", "quantity"}, {}, {}};
+  Table t{fmt::format("{}_{}", id, id_of(device)), caption, {"detector", "quantity"}, {}, {}};
   t.text_columns = 2;
   for (const std::int64_t n : sizes(device.rows)) t.header.push_back(with_commas(n));
   t.notes.push_back(fmt::format("Detectors without a GPU ran on {}.", host_text(device)));
@@ -136,6 +137,7 @@ Table table2(const Published& published, const std::vector<Device>& devices) {
   if (std::none_of(devices.begin(), devices.end(), [](const Device& d) { return d.has_gpu(); }))
     t.notes.push_back("not measured: no results of a GPU of today");
   if (devices.empty()) t.notes.push_back("not measured: no results of any machine of today");
+  for (const std::string& note : notes_for(t.rows)) t.notes.push_back(note);
   for (const Device& d : devices) add_status(t, d);
   return t;
 }
@@ -158,6 +160,7 @@ Table table2_best(const Device& device) {
   }
   t.notes.push_back("Medians, ball_lists, hot cache. A speed-up is the base's time above divided by the detector's.");
   if (!device.has_gpu()) t.notes.push_back("GPU detectors: not measured: this machine has no usable GPU");
+  for (const std::string& note : notes_for(t.rows)) t.notes.push_back(note);
   add_status(t, device);
   return t;
 }
@@ -178,6 +181,7 @@ Table table2_rule(const Device& device) {
   }
   t.notes.push_back("Medians, ball_lists, stream launch, hot cache.");
   if (!device.has_gpu()) t.notes.push_back("GPU detectors: not measured: this machine has no usable GPU");
+  for (const std::string& note : notes_for(t.rows)) t.notes.push_back(note);
   add_status(t, device);
   return t;
 }

@@ -1,0 +1,222 @@
+// The page as a browser sees it: nothing wider than a phone, nothing without a size, no dead link, nothing on the console. Where
+// there is no chromium the browser's part is skipped. All numbers come from fixtures: not measured.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "tests/fixtures/report_fixtures.h"
+#include "tests/run_program.h"
+
+namespace touchstone::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+const std::filesystem::path kSource = TOUCHSTONE_SOURCE_DIR;
+
+// Added to a copy of the page only: measures, and tells the page around it.
+constexpr const char* kProbe = R"(<script>
+addEventListener('load', () => {
+  const wide = [...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll') && !e.closest('svg') &&
+    e.getBoundingClientRect().right > innerWidth + 1).map(e => e.tagName + '.' + e.className);
+  const figures = [...document.querySelectorAll('svg, img')].map(e => e.getBoundingClientRect());
+  const text = [...document.querySelectorAll('svg text')].map(e => e.getBoundingClientRect().height).filter(h => h > 0);
+  parent.postMessage({width: innerWidth, page: document.documentElement.scrollWidth, wide, figures: figures.length,
+    empty: figures.filter(r => !(r.width > 0 && r.height > 0)).length, least_text: Math.min(...text)}, '*');
+});
+</script></body>)";
+
+// A frame of a given width, since no window is narrower than 500 px; writes what it is told where --dump-dom shows it.
+constexpr const char* kFrame = R"(<!DOCTYPE html><meta charset="utf-8"><pre id="probe"></pre><script>
+addEventListener('message', e => { document.getElementById('probe').textContent = 'PROBE ' + JSON.stringify(e.data) + ' END'; });
+</script><iframe src="probe.html" style="border:0;height:900px;width:)";
+
+std::string browser() {
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
+    if (run_program(std::string("command -v ") + name).code == 0) return name;
+  return "";
+}
+
+std::vector<std::string> all_matches(const std::string& text, const std::string& pattern) {
+  const std::regex expression(pattern);
+  std::vector<std::string> list;
+  for (std::sregex_iterator at(text.begin(), text.end(), expression), end; at != end; ++at) list.push_back((*at)[1]);
+  return list;
+}
+
+// One report for all tests of this file: drawing it takes seconds.
+class Page : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    fixtures::write_all(kSource, folder_->path() / "results");
+    made_ = report("a");
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  static Outcome report(const std::string& out) {
+    return run_program(std::string(TOUCHSTONE) + " report --results " + (folder_->path() / "results").string() + " --out " +
+                       (folder_->path() / out).string());
+  }
+  void SetUp() override { ASSERT_EQ(made_.code, 0) << made_.err; }
+  static std::filesystem::path out() { return folder_->path() / "a"; }
+  static std::string page() { return file_text(out() / "index.html"); }
+
+  // What the probe measured in a window of this width.
+  static json probe(const std::string& program, int width, std::string* console) {
+    std::string text = page();
+    text.replace(text.rfind("</body>"), 7, kProbe);
+    write_text(out() / "probe.html", text);
+    write_text(out() / "frame.html", kFrame + std::to_string(width) + "px\"></iframe>");
+    // A profile of its own, and no sandbox: in a container, and as root, chromium has none.
+    const Outcome o =
+        run_program("HOME=" + folder_->path().string() + " " + program +
+                    " --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --hide-scrollbars"
+                    " --enable-logging=stderr --virtual-time-budget=5000 --window-size=1400,1000 --dump-dom file://" +
+                    (out() / "frame.html").string());
+    std::filesystem::remove(out() / "frame.html");
+    std::filesystem::remove(out() / "probe.html");
+    *console = "";
+    std::istringstream lines(o.err);
+    for (std::string line; std::getline(lines, line);)
+      if (line.find("CONSOLE") != std::string::npos) *console += line + "\n";
+    const std::size_t begin = o.out.rfind("PROBE {"), end = o.out.rfind("} END");
+    if (begin == std::string::npos || end == std::string::npos) {
+      ADD_FAILURE() << program << " gave no measurement (exit " << o.code << "): " << o.err;
+      return json::object();
+    }
+    return json::parse(o.out.substr(begin + 6, end + 1 - begin - 6));
+  }
+
+  static std::unique_ptr<TemporaryFolder> folder_;
+  static Outcome made_;
+};
+std::unique_ptr<TemporaryFolder> Page::folder_;
+Outcome Page::made_;
+
+TEST_F(Page, InABrowserFitsAPhoneAndADesk) {
+  const std::string program = browser();
+  if (program.empty()) GTEST_SKIP() << "no chromium here: the page was not opened in a browser";
+  for (const int width : {360, 1280}) {
+    std::string console;
+    const json seen = probe(program, width, &console);
+    if (seen.empty()) continue;
+    EXPECT_EQ(seen["width"], width) << "the browser did not take the window's width";
+    EXPECT_LE(seen["page"], width) << seen["wide"];
+    EXPECT_THAT(seen["wide"], IsEmpty()) << "wider than a window of " << width;
+    EXPECT_GE(seen["figures"].get<int>(), 7) << "two panels of figure 8, one of 6 and 7, three of 9";
+    EXPECT_EQ(seen["empty"], 0) << "figures without a size at " << width;
+    EXPECT_GE(seen["least_text"].get<double>(), 8) << "a figure's text, px, at " << width;
+    EXPECT_THAT(console, IsEmpty());
+  }
+}
+
+TEST_F(Page, NeedsNothingFromElsewhere) {
+  const std::string text = page();
+  EXPECT_THAT(text, Not(HasSubstr("<script")));
+  EXPECT_THAT(text, Not(HasSubstr("@import")));
+  for (const std::string& address : all_matches(text, "(?:src|href)=[\"']([^\"']*)[\"']"))
+    EXPECT_THAT(address, Not(HasSubstr("//"))) << "an address of another machine";
+}
+
+TEST_F(Page, EveryLinkLeadsToAFileOrAPlaceInThePage) {
+  const std::string text = page();
+  std::set<std::string> ids;
+  for (const std::string& id : all_matches(text, " id=[\"']([^\"']*)[\"']"))
+    EXPECT_TRUE(ids.insert(id).second) << id << " is given twice";
+  const auto links = all_matches(text, "href=[\"']([^\"']*)[\"']");
+  EXPECT_GE(links.size(), 80u);
+  for (const std::string& link : links) {
+    if (link == "data:,") continue;
+    if (link[0] == '#')
+      EXPECT_EQ(ids.count(link.substr(1)), 1u) << link;
+    else
+      EXPECT_TRUE(std::filesystem::is_regular_file(out() / link)) << link;
+  }
+}
+
+TEST_F(Page, HoldsEveryTableAndFigure) {
+  const std::string text = page();
+  for (const std::string id :
+       {"table1", "table2", "table2_best_fixture-1", "table2_rule_fixture-1", "figure8", "figure6_fixture-1", "figure7_fixture-1",
+        "optima_figure6_fixture-1", "optima_equations_fixture-1", "figure9_fixture-1_1", "table3", "ablation_fixture-1",
+        "cases_fairness_fixture-1", "devices", "runs"})
+    EXPECT_THAT(text, HasSubstr(" id=\"" + id + "\"")) << id;
+  EXPECT_THAT(text, Not(HasSubstr("Not measured yet")));
+  EXPECT_THAT(text, HasSubstr("bench_detect --study figure6 --profile full"));
+  EXPECT_THAT(text, HasSubstr("nothing was timed"));  // the record's own words for the timed region
+}
+
+TEST_F(Page, EscapesWhatRecordsSay) {
+  const std::string text = page();
+  EXPECT_THAT(text, HasSubstr("none &lt;of&gt; &quot;these&quot; &amp; &#39;those&#39;"));
+  EXPECT_THAT(text, Not(HasSubstr("none <of>")));
+}
+
+TEST_F(Page, FlagsTravelAsMarks) {
+  EXPECT_THAT(file_text(out() / "cases_figure6_fixture-1.csv"), HasSubstr("†,"));
+  EXPECT_THAT(file_text(out() / "table2_best_fixture-1.md"), HasSubstr("† noise: "));
+  EXPECT_THAT(file_text(out() / "table2_best_fixture-1.md"), HasSubstr("every row: virtual_machine."));
+  EXPECT_THAT(file_text(out() / "table2_best_fixture-1.tex"), HasSubstr("\\dag{}"));
+  EXPECT_THAT(file_text(out() / "figure6_fixture-1_multi_cell_bucket-paper-ball_lists-stream-hot-shuffled.svg"), HasSubstr("†"));
+}
+
+TEST_F(Page, TheSweepsOptimumAndEnvelopeFollowFromTheRecords) {
+  // Least at 4 ravg = 1.0 cm for C = 1 and 4 x 0.29375 for C = 6, of cells 0.125 apart.
+  const std::string optima = file_text(out() / "optima_figure6_fixture-1.csv");
+  EXPECT_THAT(optima, HasSubstr("c1_n50000,0.25,0.25,0.25,1,"));
+  EXPECT_THAT(optima, HasSubstr("c6_n50000,0.25,0.2938,1.5,1.125,"));
+  const std::string settings = file_text(out() / "figure6_fixture-1_multi_cell_bucket-paper-ball_lists-stream-hot-shuffled.gp");
+  // 11,200 / h^3 cells: above 65,535 up to 0.5 cm. 2 + 56 h^3 / C balls, rounded down: above 128 from 1.375 cm (C = 1) and 2.5 cm
+  // (C = 6) on. Edges halfway.
+  EXPECT_THAT(settings, HasSubstr("left_all = 0.5625\nleft_any = 0.5625\nright_any = 1.3125\nright_all = 2.4375\n"));
+  const std::string cpu = file_text(out() / "figure7_fixture-1_serial_multi_cell-ball_lists-hot-shuffled.gp");
+  EXPECT_THAT(cpu, HasSubstr("left_all = NaN\nleft_any = NaN\nright_any = NaN\nright_all = NaN\n"));
+}
+
+TEST_F(Page, TheThreadMapMarksTheBestAndWhatIsAsGood) {
+  const std::string data = file_text(out() / "figure9_fixture-1_1_map.dat");
+  EXPECT_THAT(data, HasSubstr("# best\n3 2\n"));
+  EXPECT_THAT(data, HasSubstr("# as good\n3 3\n"));
+  EXPECT_THAT(data, HasSubstr("0 4 NaN \"refused\"\n"));
+}
+
+TEST_F(Page, AblationsStandBesideTheSameCaseUnchanged) {
+  const std::string table = file_text(out() / "ablation_fixture-1.md");
+  EXPECT_THAT(table, HasSubstr("| judge_off | c4_n48928 | ball_lists | 0.0900 | 0.0600 | 1.50× |"));
+  EXPECT_THAT(table, HasSubstr("| not measured: a bucket overflowed past what fits |"));
+}
+
+TEST_F(Page, SameInputSameBytes) {
+  ASSERT_EQ(report("b").code, 0);
+  int files = 0;
+  for (const auto& file : std::filesystem::directory_iterator(out())) {
+    const std::string name = file.path().filename();
+    EXPECT_EQ(file_text(file.path()), file_text(folder_->path() / "b" / name)) << name;
+    EXPECT_FALSE(file_text(file.path()).empty()) << name;
+    ++files;
+  }
+  EXPECT_GE(files, 80);
+}
+
+TEST_F(Page, AStudyTakenAwayIsNamedWithTheCommandThatMakesIt) {
+  const std::filesystem::path file = folder_->path() / "results/fixture-1/figure9.json", aside = folder_->path() / "figure9.json";
+  std::filesystem::rename(file, aside);
+  const Outcome o = report("c");
+  std::filesystem::rename(aside, file);
+  ASSERT_EQ(o.code, 0) << o.err;
+  const std::string says =
+      "no results/<device>/figure9.json; `build/gpu/bench/bench_detect --study figure9 --profile full` makes it";
+  EXPECT_THAT(o.err, HasSubstr(says));
+  EXPECT_THAT(file_text(folder_->path() / "c/index.html"), HasSubstr("no results/&lt;device&gt;/figure9.json; <code>build/gpu"));
+  EXPECT_THAT(file_text(folder_->path() / "c/index.html"), Not(HasSubstr("id=\"figure9_")));
+}
+
+}  // namespace
+}  // namespace touchstone::testing
