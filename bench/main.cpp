@@ -24,10 +24,10 @@ int main(int argc, char** argv) {
     add_version_command(app);
     if (const int code = parse(app, argc, argv); code >= 0) return code;
     if (app.get_subcommands().empty()) {
-      fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, tune or version (--help)\n");
-      fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, submit or version (--help)\n");
-      fmt::print(stderr, "touchstone: say which: pack, detect, verify, compare, list, plan, publish, report or version (--help)\n");
-      fmt::print(stderr, "touchstone: say which: pack, detect, list, plan, publish, report, claims or version (--help)\n");
+      std::string names;
+      for (const CLI::App* command : app.get_subcommands({})) names += (names.empty() ? "" : ", ") + command->get_name();
+      fmt::print(stderr, "touchstone: say which: {} (--help)
+", names);
       return static_cast<int>(kExitInput);
     }
     return exit_code;

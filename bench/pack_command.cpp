@@ -10,6 +10,7 @@
 
 #include "bench/commands.h"
 #include "bench/interrupt.h"
+#include "bench/study.h"
 #include "datasets/files.h"
 #include "datasets/formats.h"
 #include "datasets/spec.h"
@@ -32,12 +33,16 @@ std::filesystem::path folder_of(const PackOptions& o) {
   return o.folder.empty() ? default_packing_folder() : std::filesystem::path(o.folder);
 }
 
-// A set's name ("table2": datasets/specs/table2.json) or the path of such a file.
-std::filesystem::path set_file(const std::string& set) {
-  if (std::filesystem::is_regular_file(set)) return set;
+// Those of a file of specs, of datasets/specs/<set>.json, or of the study of that name.
+std::vector<PackingSpec> specs_of_set(const std::string& set) {
+  if (std::filesystem::is_regular_file(set)) return load_spec_set(set);
   const std::filesystem::path ours = spec_folder() / (set + ".json");
-  if (std::filesystem::is_regular_file(ours)) return ours;
-  throw InputError(fmt::format("--set {}: neither a file nor one of {}/*.json", set, spec_folder().string()));
+  if (std::filesystem::is_regular_file(ours)) return load_spec_set(ours);
+  try {
+    return packings_of_study(set);
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("--set {}: neither a file nor one of {}/*.json, and {}", set, spec_folder().string(), e.what()));
+  }
 }
 
 // One line on a terminal, rewritten; nothing elsewhere. Stops at Ctrl-C.
@@ -133,7 +138,7 @@ int pack(const PackOptions& o) {
   if (!o.spec.empty()) write(make(parse_spec(o.spec), o));
   nlohmann::json expected = nlohmann::json::object();
   for (const std::string& set : o.sets)
-    for (const PackingSpec& spec : load_spec_set(set_file(set))) {
+    for (const PackingSpec& spec : specs_of_set(set)) {
       const Packing packing = make(spec, o);
       if (!o.record.empty()) expected[packing.name] = expected_of(packing);
     }
@@ -153,7 +158,8 @@ void add_pack_command(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("pack", "make, list, check and export packings");
   command->add_option("--spec", o->spec,
                       "packing to make: key=value pairs (n=20653,c=4,seed=1,base=20x20,mix=table1,kind=settled) or a JSON file");
-  command->add_option("--set", o->sets, "make all packings of these sets: table2, figure6, or a JSON file");
+  command->add_option("--set", o->sets,
+                      "make all packings of these sets: table2, figure6, a study (equations, fairness), or a JSON file");
   command->add_option("--record", o->record,
                       "write hash, radii and contacts of the sets' packings to this file (results/expected.json)");
   command->add_option("--check", o->check, "read a .balls, .xyz or .csv file, validate it, print its facts");

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "bench/expected.h"
 #include "bench/interrupt.h"
 #include "bench/tuner.h"
 #include "datasets/store.h"
@@ -54,6 +55,14 @@ void Provision::provide(const std::vector<Case>& cases, bool fresh, Eta& eta) {
 }
 
 Tuning Provision::tuning(const Case& c) const { return needs_tuning(c) ? tunings_.at(tuning_name(c)) : Tuning{}; }
+
+std::vector<std::string> Provision::objections() const {
+  std::vector<std::string> all;
+  for (const auto& [name, context] : packings_)
+    if (std::string why = expected_objection(name, packing_hash(context->packing.balls)); !why.empty())
+      all.push_back(std::move(why));
+  return all;
+}
 
 PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
   std::unique_ptr<PackingContext>& context = packings_[name_of(spec)];

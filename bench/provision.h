@@ -29,6 +29,9 @@ class Provision {
   Tuning tuning(const Case& c) const;  // nothing for protocols that need none
   double done_seconds() const { return done_; }
 
+  // Why times on these packings must not be reported: bytes other than everybody's. One line each.
+  std::vector<std::string> objections() const;
+
  private:
   bool needs_tuning(const Case& c) const;
   std::string tuning_name(const Case& c) const;

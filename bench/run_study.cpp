@@ -220,6 +220,7 @@ void StudyRun::finish() {
       why_not_.push_back(fmt::format("GPU throttled at {}: {}", when, gpu["event_reasons"].get<std::string>()));
   }
   journal_->append("run|" + run["id"].get<std::string>(), {{"taints", why_not_}});
+  for (const std::string& objection : provision_->objections()) why_not_.push_back(objection);
   taints_of_earlier_runs();
   const bool complete = file_->cases() == order_.size() + kept_ && file_->skipped() == 0;
   if (!complete) why_not_.push_back(fmt::format("{} of {} cases measured", file_->cases() - kept_, order_.size()));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <regex>
+#include <set>
 
 #include "bench/detectors.h"
 #include "bench/studies/studies.h"
@@ -67,6 +68,14 @@ std::vector<Case> plan_study(std::string_view study, const StudyOptions& options
   });
   for (Case& c : cases) c.study = study;
   return cases;
+}
+
+std::vector<PackingSpec> packings_of_study(std::string_view study) {
+  std::vector<PackingSpec> specs;
+  std::set<std::string> names;
+  for (const Case& c : plan_study(study, {.profile = Profile::full}))
+    if (names.insert(name_of(c.packing)).second) specs.push_back(c.packing);
+  return specs;
 }
 
 PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n) {

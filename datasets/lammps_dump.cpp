@@ -113,7 +113,7 @@ DumpedPacking parse_lammps_atoms(std::string_view text, const std::string& where
   const bool diameter = std::find(s.columns.begin(), s.columns.end(), "radius") == s.columns.end();
   const double unit = unit_of(s.units, lines);
   const std::size_t id_at = column(s.columns, {"id"}, lines);
-  const BallColumns at{{column(s.columns, {"x", "xu"}, lines), column(s.columns, {"y", "yu"}, lines),
+  const ColumnPlaces at{{column(s.columns, {"x", "xu"}, lines), column(s.columns, {"y", "yu"}, lines),
                         column(s.columns, {"z", "zu"}, lines), column(s.columns, {"radius", "diameter"}, lines)},
                        {unit, unit, unit, diameter ? 0.5 * unit : unit}};
   std::vector<std::pair<std::int64_t, Ball>> rows;
