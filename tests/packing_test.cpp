@@ -126,7 +126,7 @@ TEST_F(Store, IsUsed) {
 TEST_F(Store, LooksWithoutALock) {
   std::filesystem::remove(file(".lock"));
   EXPECT_EQ(ask_again(), "");
-  EXPECT_FALSE(std::filesystem::exists(file(".lock"))) << "a complete cache must do in a folder that is read-only";
+  ASSERT_FALSE(std::filesystem::exists(file(".lock"))) << "a complete cache must do in a folder that is read-only";
   const FileLock other(file(".lock"), [] {});
   EXPECT_EQ(ask_again(), "") << "a complete cache must do while another process holds the lock";
 }
