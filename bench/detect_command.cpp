@@ -30,7 +30,6 @@ Measurement measure(const DetectorInfo& info, const DetectorParams& params, Outp
                     PackingContext& context) {
   Case c;
   c.study = "detect";
-  c.protocol = Protocol::given;
   c.detector = &info;
   c.output = output;
   c.launch = launch;
