@@ -4,8 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
 #include "bench/build_paths.h"
+#include "bench/claims/ledger.h"
 #include "bench/commands.h"
 #include "bench/report/contents.h"
 #include "datasets/files.h"
@@ -24,9 +26,17 @@ void write_table(const report::Table& t, const std::filesystem::path& folder) {
   write_atomically(folder / (t.id + ".tex"), report::to_latex(t));
 }
 
+// The claims, if the results folder brings rules to judge them by.
+std::optional<report::Ledger> judged(const ReportOptions& o) {
+  const std::filesystem::path rules = o.results / "claims.json";
+  if (!std::filesystem::exists(rules) || !std::filesystem::is_directory(o.results / "paper")) return {};
+  const claims::ResultsIndex index = claims::read_results(o.results, o.local);
+  const auto judgements = claims::judge_all(claims::read_claims(rules), index);
+  return report::Ledger{claims::claims_table(judgements, index), claims::ledger_json(judgements, index).dump(1) + "\n"};
+}
+
 int write_report(const ReportOptions& o) {
-  // The one place where the ledger of claims enters: {its table, its JSON}.
-  const std::optional<report::Ledger> ledger;
+  const std::optional<report::Ledger> ledger = judged(o);
   const report::Contents contents = report::contents({o.results, o.local, o.out, ledger});
   std::filesystem::create_directories(o.out);
   for (const auto& [name, text] : contents.files) write_atomically(o.out / name, text);

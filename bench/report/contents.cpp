@@ -137,7 +137,7 @@ class Builder {
   Section claims() const {
     Section s{"claims", "The paper's claims", {}, {}, {}};
     if (!sources_.ledger) {
-      s.missing = {"Not judged yet: no ledger of claims."};
+      s.missing = {"Not judged: the results folder holds no claims.json with the rules."};
       return s;
     }
     s.text = {
