@@ -26,8 +26,7 @@ int main(int argc, char** argv) {
     if (app.get_subcommands().empty()) {
       std::string names;
       for (const CLI::App* command : app.get_subcommands({})) names += (names.empty() ? "" : ", ") + command->get_name();
-      fmt::print(stderr, "touchstone: say which: {} (--help)
-", names);
+      fmt::print(stderr, "touchstone: say which: {} (--help)\n", names);
       return static_cast<int>(kExitInput);
     }
     return exit_code;
