@@ -31,7 +31,8 @@ std::optional<report::Ledger> judged(const ReportOptions& o) {
   const std::filesystem::path rules = o.results / "claims.json";
   if (!std::filesystem::exists(rules) || !std::filesystem::is_directory(o.results / "paper")) return {};
   const claims::ResultsIndex index = claims::read_results(o.results, o.local);
-  const auto judgements = claims::judge_all(claims::read_claims(rules), index);
+  const claims::Claims all = claims::read_claims(rules);  // the judgements point into it
+  const auto judgements = claims::judge_all(all, index);
   return report::Ledger{claims::claims_table(judgements, index), claims::ledger_json(judgements, index).dump(1) + "\n"};
 }
 

@@ -153,6 +153,15 @@ TEST_F(Page, HoldsEveryTableAndFigure) {
   EXPECT_THAT(text, HasSubstr("nothing was timed"));  // the record's own words for the timed region
 }
 
+TEST(CommittedReport, HoldsTheLedgerOfClaims) {
+  const TemporaryFolder folder;
+  const Outcome o = run_program(std::string(TOUCHSTONE) + " report --results " + (kSource / "results").string() + " --out " +
+                                folder.path().string());
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(file_text(folder.path() / "index.html"), HasSubstr("href=\"claims.json\""));
+  EXPECT_FALSE(json::parse(file_text(folder.path() / "claims.json")).empty());
+}
+
 TEST_F(Page, EscapesWhatRecordsSay) {
   const std::string text = page();
   EXPECT_THAT(text, HasSubstr("none &lt;of&gt; &quot;these&quot; &amp; &#39;those&#39;"));
