@@ -12,6 +12,7 @@
 #include "bench/order.h"
 #include "bench/reporter.h"
 #include "bench/study.h"
+#include "datasets/loose.h"
 #include "bench/tuner.h"
 #include "tests/results_schema.h"
 #include "tests/run_program.h"
@@ -194,6 +195,16 @@ TEST(Studies, NameEachCaseOnce) {
       for (Case& c : plan_study(study.name, {profile})) EXPECT_TRUE(names.insert(c.name()).second) << c.name();
     }
   EXPECT_FALSE(plan_study("figure7", {}).empty());
+}
+
+TEST(Studies, LoosePackingsOfEveryStudyCanBeMade) {
+  int made = 0;
+  for (const StudyInfo& study : studies())
+    for (const PackingSpec& spec : packings_of_study(study.name))
+      if (spec.kind == PackingKind::loose) {
+        EXPECT_NO_THROW(made += make_loose(spec).balls.size() == static_cast<std::size_t>(spec.n)) << name_of(spec);
+      }
+  EXPECT_GT(made, 10);
 }
 
 TEST(Timing, QuartilesInterpolate) {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSeconds = 1.0;  // of samples a case
 const std::vector<OutputForm> kBoth = {OutputForm::ball_lists, OutputForm::pairs};
-constexpr std::int32_t kSizes[] = {2969, 20653, 140063};
+constexpr std::int32_t kSizes[] = {6476, 20653, 140063};
 
 class Plan {
  public:
