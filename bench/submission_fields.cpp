@@ -24,7 +24,7 @@ constexpr Field kRun[] = {{"id", text},
                           {"why_not", texts},
                           {"kept_from_other_selections", count}};
 constexpr Field kSource[] = {
-    {"version", text}, {"commit", commit}, {"dirty", flag}, {"changes", text_or_null}, {"stated", flag, false}};
+    {"version", text}, {"commit", commit}, {"dirty", flag}, {"content_hash", text, false}, {"stated", flag, false}};
 constexpr Field kBuild[] = {{"type", text},
                             {"compiler", text},
                             {"flags", text},
@@ -164,6 +164,11 @@ bool is_hex(const json& v, std::size_t digits) {
   return v.is_string() && v.get_ref<const std::string&>().size() == digits &&
          v.get_ref<const std::string&>().find_first_not_of("0123456789abcdef") == std::string::npos;
 }
+bool is_commit(const json& v) {
+  if (!v.is_string()) return false;
+  const std::size_t digits = v.get_ref<const std::string&>().size();
+  return digits >= 7 && digits <= 40 && is_hex(v, digits);
+}
 bool is_text(const json& v) { return v.is_string() && !v.get_ref<const std::string&>().empty(); }
 bool is_number(const json& v) { return v.is_number() && std::isfinite(v.get<double>()); }
 bool is_count(const json& v, std::int64_t least) {
@@ -221,7 +226,7 @@ std::string expected(const json& v, FieldType type) {
     case hash:
       return unless(is_hex(v, 16), "16 hex digits");
     case commit:
-      return unless(is_hex(v, 40), "the 40 hex digits of a commit");
+      return unless(is_commit(v), "7 to 40 hex digits of a commit");
     case utc:
       return unless(is_utc(v), "a time such as 2026-01-31T12:00:00Z");
   }
