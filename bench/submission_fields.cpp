@@ -24,7 +24,7 @@ constexpr Field kRun[] = {{"id", text},
                           {"why_not", texts},
                           {"kept_from_other_selections", count}};
 constexpr Field kSource[] = {
-    {"version", text}, {"commit", commit}, {"dirty", flag}, {"content_hash", text, false}, {"stated", flag, false}};
+    {"version", text}, {"commit", commit}, {"dirty", flag}, {"content_hash", hash}, {"stated", flag, false}};
 constexpr Field kBuild[] = {{"type", text},
                             {"compiler", text},
                             {"flags", text},
@@ -40,7 +40,8 @@ constexpr Field kHost[] = {{"cpu", text},
                            {"distribution", text_or_null},
                            {"governor", text_or_null},
                            {"virtual_machine", flag},
-                           {"boost", text_or_null}};
+                           {"boost", text_or_null},
+                           {"openmp_threads", positive_count}};
 constexpr Field kDevice[] = {{"name", text},
                              {"uuid_hash", hash},
                              {"compute_capability", text},
@@ -151,12 +152,15 @@ constexpr Field kCase[] = {{"study", text},
                            {"provenance", text},
                            {"flags", texts},
                            {"run_id", text},
-                           {"knowledge", text, false},
-                           {"then", text_or_null, false},
-                           {"kind", text, false},
-                           {"mix", text, false},
-                           {"base_cm", list, false},
-                           {"ablation", text_or_null, false},
+                           {"knowledge", text},
+                           {"then", text_or_null},
+                           {"kind", text},
+                           {"mix", text},
+                           {"base_cm", list},
+                           {"volume_cm3", quantity},
+                           {"cells", positive_count_or_null},
+                           {"fullest_cell", count_or_null},
+                           {"ablation", text_or_null},
                            {"kernels", list, false},
                            {"phases_us", object, false}};
 
