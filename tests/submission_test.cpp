@@ -112,7 +112,7 @@ TEST(Submission, AWrongValueIsNamed) {
       {t + "run/resumed", 3, "resumed"},
       {t + "run/kept_from_other_selections", 1, "kept_from_other_selections 1"},
       {t + "run/id", "2026-11-22T02:04:58Z-2815", "id does not begin with start"},
-      {t + "run/start", "2026-11-22T02:05:00Z", "not in order"},
+      {t + "run/start", "2099-01-01T00:00:00Z", "not in order"},
       {t + "run/end", "2026-11-22T02:08:00Z", "not in order"},
       {t + "state/start/utc", "2026-11-22T02:04:58Z", "not in order"},
       {t + "state/end/utc", "2026-11-22T02:04:58Z", "not in order"},
