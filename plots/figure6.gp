@@ -8,7 +8,7 @@ array filled[6] = [5, 7, 9, 11, 13, 15]
 array size[6] = [0.55, 0.65, 0.7, 0.7, 0.8, 0.75]
 look(i) = int(word(looks, i))
 
-set title panel_title
+set title panel_title font small
 set xlabel "cell size (cm)" offset 0,0.3
 set ylabel "time for contact detection (ms)" offset 0.8,0
 set xrange [0:most_cell * 1.02]
@@ -45,7 +45,7 @@ set object 6 rect from rule_low, graph 0.9 to (rule_high > rule_low ? rule_high 
 set label 6 rule_name at (rule_high > best_high ? rule_high : best_high), graph 0.915 offset 0.6,0 font small textcolor rgb "#555555" front
 if (bound_ms > 0) {
   set arrow 1 from 0, first bound_ms to graph 1, first bound_ms nohead dt (6,4) lw 1 lc rgb "#777777"
-  set label 7 sprintf("published: under %g ms", bound_ms) at graph 0.99, first bound_ms right offset 0,-0.6 font small textcolor rgb "#555555"
+  set label 7 sprintf("published: under %g ms", bound_ms) at graph 0.99, first bound_ms right offset 0,-1.7 font small textcolor rgb "#555555"
 }
 
 # Best cell and its band, one row a curve.
