@@ -10,9 +10,7 @@
 namespace touchstone {
 namespace {
 
-constexpr double kPaperCell = 0.01;                                 // m; Table 2
-
-double round_cm(double metres) { return std::round(metres * 1e8) / 1e6; }
+constexpr double kPaperCell = 0.01;  // m; Table 2
 
 // Of the box that holds all balls, to three decimals: V in (V/N)^(1/3).
 double volume_cm3(const PackingFacts& facts) {
@@ -38,6 +36,8 @@ Json kernels_json(const std::vector<KernelFacts>& kernels) {
 Json or_null(int value) { return value > 0 ? Json(value) : Json(nullptr); }
 
 }  // namespace
+
+double round_cm(double metres) { return std::round(metres * 1e8) / 1e6; }
 
 std::string_view to_string(Protocol protocol) {
   switch (protocol) {

@@ -14,6 +14,9 @@ namespace touchstone {
 
 using Json = nlohmann::ordered_json;
 
+// A length as records carry it: centimetres, to a hundredth of a micrometre.
+double round_cm(double metres);
+
 // How a case's cell and threads are chosen.
 enum class Protocol {
   paper,  // the paper's: cell 1 cm (or the least the detector takes), threads 256 and 128

@@ -65,9 +65,9 @@ std::string slug(std::string_view text) {
   return s;
 }
 
-std::string machine_slug() {
-  if (gpu_usable()) return slug(gpu_name());
-  std::string model = cpu_model();
+std::string machine_slug() { return gpu_usable() ? slug(gpu_name()) : cpu_slug(cpu_model()); }
+
+std::string cpu_slug(std::string model) {
   for (const std::string mark : {"(R)", "(TM)", "(r)", "(tm)"})
     for (auto at = model.find(mark); at != std::string::npos; at = model.find(mark)) model.replace(at, mark.size(), " ");
   return "cpu-" + slug(model);

@@ -13,6 +13,7 @@ std::string slug(std::string_view text);
 
 // The folder of this machine's results: the GPU's slug, or "cpu-" and the CPU model's.
 std::string machine_slug();
+std::string cpu_slug(std::string model);  // of a machine without a GPU
 
 // version, commit, dirty, content_hash (of the measured files' contents). $TOUCHSTONE_SOURCE_COMMIT ("<sha>" or "<sha>-dirty")
 // overrides commit and dirty, for trees without .git; never the hash.

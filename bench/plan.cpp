@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <set>
 
-#include "bench/build_paths.h"
 #include "bench/detectors.h"
 #include "bench/eta.h"
 #include "bench/run_study.h"
+#include "datasets/source_tree.h"
 #include "datasets/spec.h"
 #include "datasets/store.h"
 #include "touchstone/error.h"

@@ -6,11 +6,11 @@
 #include <memory>
 #include <optional>
 
-#include "bench/build_paths.h"
 #include "bench/claims/ledger.h"
 #include "bench/commands.h"
 #include "bench/report/contents.h"
 #include "datasets/files.h"
+#include "datasets/source_tree.h"
 #include "touchstone/error.h"
 
 namespace touchstone {

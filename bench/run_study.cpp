@@ -8,13 +8,13 @@
 #include <functional>
 #include <set>
 
-#include "bench/build_paths.h"
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
 #include "bench/machine.h"
 #include "bench/output_folder.h"
 #include "bench/provision.h"
 #include "bench/reporter.h"
+#include "datasets/source_tree.h"
 #include "touchstone/error.h"
 
 namespace touchstone {

@@ -17,11 +17,7 @@ using nlohmann::json;
 
 // The folder a machine's results belong in, from what the file says of it; as machine_slug() names the running machine.
 std::string folder_of(const json& t) {
-  if (t["device"].is_object()) return slug(t["device"]["name"].get<std::string>());
-  std::string cpu = t["host"]["cpu"];
-  for (const std::string mark : {"(R)", "(TM)", "(r)", "(tm)"})
-    for (auto at = cpu.find(mark); at != std::string::npos; at = cpu.find(mark)) cpu.replace(at, mark.size(), " ");
-  return "cpu-" + slug(cpu);
+  return t["device"].is_object() ? slug(t["device"]["name"].get<std::string>()) : cpu_slug(t["host"]["cpu"]);
 }
 
 bool context_has_its_fields(const json& context, Faults& faults) {

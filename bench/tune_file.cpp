@@ -7,6 +7,7 @@
 #include "bench/detectors.h"
 #include "bench/gpu_facts.h"
 #include "bench/machine.h"
+#include "bench/strict_json.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -17,20 +18,19 @@ constexpr double kRadiiAlike = 0.01, kSizeAlike = 2;
 
 Json positive_or_null(double value) { return value > 0 ? Json(value) : Json(nullptr); }
 Json positive_or_null(int value) { return value > 0 ? Json(value) : Json(nullptr); }
-double to_cm(double metres) { return std::round(metres * 1e8) / 1e6; }
 
 Json point_json(const DetectorInfo& info, const SearchPoint& at, const PackingFacts& facts) {
   const Tuning t = tuning_at(info, at);
   return {{"cell_ravg", positive_or_null(t.cell_ravg)},
           {"cell_rmax", positive_or_null(t.cell_rmax)},
-          {"cell_cm", positive_or_null(to_cm(cell_of(t, facts)))},
+          {"cell_cm", positive_or_null(round_cm(cell_of(t, facts)))},
           {"threads_broad", positive_or_null(t.threads_broad)},
           {"threads_narrow", positive_or_null(t.threads_narrow)}};
 }
 
 Json standing_json(const Standing& s) {
   Json j;
-  j["cell_cm"] = positive_or_null(to_cm(s.used.cell > 0 ? s.used.cell : s.asked.cell));
+  j["cell_cm"] = positive_or_null(round_cm(s.used.cell > 0 ? s.used.cell : s.asked.cell));
   j["threads_broad"] = positive_or_null(s.asked.threads_broad);
   j["threads_narrow"] = positive_or_null(s.asked.threads_narrow);
   if (!s.refused.empty()) {
@@ -123,14 +123,6 @@ class Reader {
   std::string where_;
 };
 
-Json parse(const std::filesystem::path& path) {
-  try {
-    return Json::parse(read_whole(path));
-  } catch (const Json::exception& e) {
-    throw InputError(fmt::format("{}: no JSON: {}", path.string(), e.what()));
-  }
-}
-
 }  // namespace
 
 std::string tuned_device(Place place) { return place == Place::device ? gpu_name() : host_json()["cpu"].get<std::string>(); }
@@ -149,9 +141,9 @@ Json tune_json(const TuneResult& result, const PackingContext& context) {
   j["packing"] = {{"name", context.packing.name},
                   {"packing_hash", hex64(packing_hash(context.packing.balls))},
                   {"n", f.n},
-                  {"rmin_cm", to_cm(f.rmin)},
-                  {"rmax_cm", to_cm(f.rmax)},
-                  {"ravg_cm", to_cm(f.ravg)}};
+                  {"rmin_cm", round_cm(f.rmin)},
+                  {"rmax_cm", round_cm(f.rmax)},
+                  {"ravg_cm", round_cm(f.ravg)}};
   Json choice = {{"detector", best.info->label()},
                  {"place", on_gpu(*best.info) ? "gpu" : "cpu"},
                  {"device", tuned_device(best.info->place)},
@@ -184,7 +176,7 @@ Json tune_json(const TuneResult& result, const PackingContext& context) {
 }
 
 TuneConfig read_tune_config(const std::filesystem::path& path) {
-  const Json file = parse(path);
+  const Json file = parse_strict_json(read_whole(path), path.string() + ": no JSON");
   const Reader top(file, path.string());
   if (top.word("schema") != kTuneSchema)
     top.fail("schema", std::string("\"") + kTuneSchema + "\" (what `touchstone tune --out` writes)");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "bench/strict_json.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -15,13 +16,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-json read_json(const fs::path& path) {
-  try {
-    return json::parse(read_whole(path));
-  } catch (const json::exception& e) {
-    throw InputError(fmt::format("{}: no JSON: {}", path.string(), e.what()));
-  }
-}
+json read_json(const fs::path& path) { return parse_strict_json(read_whole(path), path.string() + ": no JSON"); }
 
 json read_results_file(const fs::path& path) {
   json file = read_json(path);

@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "bench/report/marks.h"
+#include "bench/strict_json.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -71,8 +72,8 @@ Row row_of(const json& c) {
 }
 
 json read_json(const std::filesystem::path& path) {
+  json j = parse_strict_json(read_whole(path), path.string() + ": no results file");
   try {
-    json j = json::parse(read_whole(path));
     const std::string schema = text(j.at("context").at("touchstone"), "schema");
     if (schema != "touchstone/1") throw InputError(fmt::format("{}: schema '{}', expected touchstone/1", path.string(), schema));
     return j;

@@ -1,9 +1,9 @@
 // Table 2 and Figure 8: all detectors at the paper's sizes, C = 4.
 #include <algorithm>
 
-#include "bench/build_paths.h"
 #include "bench/detectors.h"
 #include "bench/studies/studies.h"
+#include "datasets/source_tree.h"
 
 namespace touchstone {
 namespace {
