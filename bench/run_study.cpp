@@ -274,6 +274,7 @@ int StudyRun::run() {
 int run_study(const RunOptions& options) {
   std::vector<Case> cases = plan(options);
   if (cases.empty()) {
+    require_gpu_if_only_gpu(options.selection.detectors);
     fmt::print(stderr, "nothing to do: no case matches --detectors '{}' --packings '{}'\n", options.selection.detectors,
                options.selection.packings);
     return kExitNothingRan;
