@@ -56,6 +56,7 @@ json sweep_fixture() {
                        {"q1_us", 0.99 * time},
                        {"q3_us", 1.01 * time},
                        {"contact_hash", p == 1 && k == 0 ? "other" : "same"},
+                       {"kernels", {{{"phase", "broad"}, {"occupancy", 1.0}}, {{"phase", "narrow"}, {"occupancy", 0.5}}}},
                        {"flags", {"virtual_machine", "noise"}}});
     }
   return results_file("sweep", cases, {{{"study", "sweep"}, {"detector", "bucket"}, {"code", "mismatch"}}});
@@ -133,7 +134,9 @@ TEST(Operators, ComeOutEachWay) {
       {R"({"slope": "T2"})", "between [0.0046, 0.0049]", "> 0.005", p},
       {R"({"exponent": "T2"})", "between [0.95, 1.0]", "> 1", p},
       {three, "between [99, 101]", "overlaps 102"},
-      {R"({"count": "all"})", "== 36", "== 35"},
+      {R"({"count": "all"})", "== 36", "== 108"},  // cases, not their kernels
+      {R"({"count": {"like": "all", "kernel.phase": "broad"}})", "== 36", "== 0"},
+      {R"({"rows": "all", "field": "kernel.occupancy", "by": "kernel.phase"})", ">= 0.5", "> 0.5"},
       {R"({"count": {"like": "all", "packing": ["p1", "p2"]}})", "== 18", "== 36"},
       {R"({"skipped": {"study": "sweep", "code": "mismatch"}})", "== 1", "== 0"},
       {R"({"distinct": {"like": "all", "packing": "p1"}, "field": "contact_hash", "by": "packing"})", "== 2", "== 1"},

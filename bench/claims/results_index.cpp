@@ -43,16 +43,20 @@ Fields machine_facts(const json& touchstone) {
   return facts;
 }
 
-void add_rows(const json& record, const Fields& facts, std::vector<Fields>& rows) {
+Fields row_of(const json& record, const Fields& facts) {
   Fields row = facts;
   json plain = record;
   plain.erase("kernels");
   flatten(plain, "", row);
-  rows.push_back(row);
+  return row;
+}
+
+void add_case(const json& record, const Fields& facts, Source& source) {
+  source.rows.push_back(row_of(record, facts));
   for (const json& kernel : record.value("kernels", json::array())) {
-    Fields of_kernel = row;
+    Fields of_kernel = source.rows.back();
     flatten(kernel, "kernel.", of_kernel);
-    rows.push_back(std::move(of_kernel));
+    source.kernels.push_back(std::move(of_kernel));
   }
 }
 
@@ -62,9 +66,9 @@ void add_file(const json& file, const fs::path& path, Source& source) {
   for (const json& entry : file["benchmarks"]) {
     if (entry.value("repetition_index", 0) != 0) continue;  // `case` is the same on all repetitions
     if (!entry.contains("case")) throw InputError(fmt::format("{}: an entry has no case", path.string()));
-    add_rows(entry["case"], facts, source.rows);
+    add_case(entry["case"], facts, source);
   }
-  for (const json& skipped : touchstone.value("skipped", json::array())) add_rows(skipped, facts, source.skipped);
+  for (const json& skipped : touchstone.value("skipped", json::array())) source.skipped.push_back(row_of(skipped, facts));
   source.studies.push_back(path.stem().string());
   if (facts.contains("device.name"))
     source.label = facts["device.name"];
@@ -86,7 +90,8 @@ std::vector<fs::path> sorted(const fs::path& folder, bool folders) {
 
 void read_devices(const fs::path& root, bool local, std::set<std::string>& runs, std::vector<Source>& devices) {
   for (const fs::path& folder : sorted(root, true)) {
-    Source source{folder.filename().string(), "", {}, {}, {}};
+    Source source;
+    source.slug = folder.filename().string();
     for (const fs::path& path : sorted(folder, false)) {
       const json file = read_results_file(path);
       // A run without a name can't be told from another: it is kept.

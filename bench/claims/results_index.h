@@ -10,13 +10,14 @@
 namespace touchstone::claims {
 
 // A flat object: the keys of a record's `case`, nested ones with a dot ("phases_us.sort"), and the facts of the machine it ran
-// on ("device.l2_bytes", "host.cores"). A record with `kernels` gives one more row a kernel ("kernel.phase", …).
+// on ("device.l2_bytes", "host.cores").
 using Fields = nlohmann::json;
 
 // All results files of one folder results/<slug>/.
 struct Source {
   std::string slug, label;            // "nvidia-h200"; what people call the device
-  std::vector<Fields> rows, skipped;  // skipped rows also have `code` and `message`; they have no time
+  std::vector<Fields> rows, skipped;  // one a case; skipped ones also have `code` and `message`, and no time
+  std::vector<Fields> kernels;        // one a kernel of each case: the case's row and "kernel.phase", "kernel.occupancy", …
   std::vector<std::string> studies;   // of the files read, sorted
 };
 

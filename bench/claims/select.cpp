@@ -19,10 +19,14 @@ const json& field_of(const Fields& row, const std::string& name) {
   return at == row.end() ? null : *at;
 }
 
-bool matches_one(const Fields& row, const Match& m) {
+bool matches(const Fields& row, const Match& m) {
   const json& there = field_of(row, m.field);
   if (m.values.empty()) return there.is_number() && m.least <= there.get<double>() && there.get<double>() <= m.most;
   return std::find(m.values.begin(), m.values.end(), there) != m.values.end();
+}
+
+bool matches(const Fields& row, const Selector& selector) {
+  return std::all_of(selector.begin(), selector.end(), [&](const Match& m) { return matches(row, m); });
 }
 
 std::string word_of(const json& value) {
@@ -48,7 +52,7 @@ std::string why_nothing(const std::vector<Fields>& rows, const Selector& selecto
   std::vector<const Fields*> left;
   for (const Fields& row : rows) left.push_back(&row);
   for (const Match& m : selector) {
-    std::erase_if(left, [&](const Fields* row) { return !matches_one(*row, m); });
+    std::erase_if(left, [&](const Fields* row) { return !matches(*row, m); });
     if (!left.empty() || m.field == "study") continue;
     const std::string wanted = m.values.empty() ? fmt::format("{} to {}", m.least, m.most) : word_of(m.values.front());
     return fmt::format("{} with {} {}", study, m.field, wanted);
@@ -141,11 +145,20 @@ void note_flags(const std::vector<const Fields*>& rows, std::set<std::string>& f
     for (const json& flag : row->value("flags", json::array())) flags.insert(flag.get<std::string>());
 }
 
-}  // namespace
-
-bool matches(const Fields& row, const Selector& selector) {
-  return std::all_of(selector.begin(), selector.end(), [&](const Match& m) { return matches_one(row, m); });
+// A case has several kernels: they are asked for by a field of theirs, else a case counts once.
+const std::vector<Fields>& rows_meant(const Expression& e, const Source& source) {
+  const auto of_kernel = [](const std::string& field) { return field.starts_with("kernel."); };
+  const bool kernels = of_kernel(e.field) || std::any_of(e.by.begin(), e.by.end(), of_kernel) ||
+                       std::any_of(e.select.begin(), e.select.end(), [&](const Match& m) { return of_kernel(m.field); });
+  return kernels ? source.kernels : source.rows;
 }
+
+Series number_of(const std::vector<Fields>& rows, const Selector& selector) {
+  return {exactly(
+      static_cast<double>(std::count_if(rows.begin(), rows.end(), [&](const Fields& row) { return matches(row, selector); })))};
+}
+
+}  // namespace
 
 Series printed_column(const ResultsIndex& index, const std::string& table, const std::string& column, const std::string& by) {
   const auto at = index.printed.find(table);
@@ -176,12 +189,9 @@ Series select_series(const Expression& e, const ResultsIndex& index, const Sourc
   if (!source) throw Missing{"study " + study_of(e.select)};
   const bool there = std::count(source->studies.begin(), source->studies.end(), study_of(e.select)) > 0;
   if (!there) throw Missing{"study " + study_of(e.select)};
-  if (e.op == Operator::count || e.op == Operator::skipped) {
-    const auto& rows = e.op == Operator::count ? source->rows : source->skipped;
-    return {exactly(
-        static_cast<double>(std::count_if(rows.begin(), rows.end(), [&](const Fields& row) { return matches(row, e.select); })))};
-  }
-  const std::vector<const Fields*> rows = picked(e, source->rows);
+  if (e.op == Operator::skipped) return number_of(source->skipped, e.select);
+  if (e.op == Operator::count) return number_of(rows_meant(e, *source), e.select);
+  const std::vector<const Fields*> rows = picked(e, rows_meant(e, *source));
   if (e.field.ends_with("_us") || e.field.starts_with("phases_us.")) note_flags(rows, flags);  // of a time only
   if (e.op == Operator::distinct) return distinct(e, rows);
   if (e.op == Operator::least) return least_of(e, rows);

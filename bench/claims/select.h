@@ -10,8 +10,6 @@
 
 namespace touchstone::claims {
 
-bool matches(const Fields& row, const Selector& selector);
-
 Series printed_column(const ResultsIndex& index, const std::string& table, const std::string& column, const std::string& by);
 
 // `rows`, `count`, `skipped`, `distinct`, `least` and `optimum` of one device; `packings` of expected.json.
