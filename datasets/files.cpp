@@ -32,9 +32,29 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
+// A pipe or a device (/dev/stdout, /dev/null) takes the bytes itself: a file in its place would be the end of it.
+bool is_pipe_or_device(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_other(path, error);
+}
+
+void write_into(const std::filesystem::path& path, std::string_view bytes) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) fail(path, "written");
+  const bool written = write_all(file, bytes);
+  const int reason = errno;
+  const bool closed = ::close(file) == 0;
+  if (!written) errno = reason;
+  if (!written || !closed) fail(path, "written");
+}
+
 }  // namespace
 
-void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
+void write_atomically(const std::filesystem::path& asked, std::string_view bytes) {
+  if (is_pipe_or_device(asked)) return write_into(asked, bytes);
+  std::error_code dangling;
+  const std::filesystem::path real = std::filesystem::canonical(asked, dangling);
+  const std::filesystem::path& path = dangling ? asked : real;  // a link stays a link
   const std::string temporary = path.string() + ".XXXXXX";
   std::string name = temporary;
   const int file = ::mkstemp(name.data());

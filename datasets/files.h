@@ -8,7 +8,7 @@
 
 namespace touchstone {
 
-// Writes beside `path`, flushes to the disk and renames. Throws InputError naming the path and the system's reason.
+// Writes beside `path`, or beside what it links to, flushes and renames; a pipe or device is written into. Throws InputError.
 void write_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 // All bytes of a regular file. Throws InputError.

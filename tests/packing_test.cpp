@@ -1,5 +1,8 @@
 // Radii by quota, loose packings, and the cache that keeps packings.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -172,6 +175,28 @@ TEST_F(Store, NoticesAnotherGenerator) {
   meta["generator_version"] = kGeneratorVersion - 1;
   write_atomically(file(".json"), meta.dump());
   EXPECT_NE(ask_again().find("another version"), std::string::npos);
+}
+
+TEST_F(Store, WritesThroughALinkAndIntoAPipe) {
+  const std::filesystem::path target = folder_ / "target", link = folder_ / "link", pipe = folder_ / "pipe";
+  write_atomically(target, "old");
+  std::filesystem::create_symlink(target, link);
+  write_atomically(link, "new");
+  EXPECT_EQ(read_whole(target), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  write_atomically(pipe, "through");
+  char got[16] = {};
+  EXPECT_EQ(::read(reader, got, sizeof got), 7);
+  EXPECT_STREQ(got, "through");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  ::close(reader);
+  if (std::filesystem::exists("/dev/full")) {  // by a link of our own, so that no fault of ours can cost the device
+    std::filesystem::create_symlink("/dev/full", folder_ / "full");
+    EXPECT_THROW(write_atomically(folder_ / "full", "x"), InputError);
+  }
 }
 
 TEST(StoreFolder, IsToldWhenItCannotBe) {
