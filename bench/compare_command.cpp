@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 
 #include "bench/case.h"
@@ -18,7 +19,7 @@ constexpr const char* kFooter =
   FASTER, SLOWER  the intervals do not meet, Mann and Whitney's U-test gives p below --alpha, and the ratio is beyond --margin
   SAME            the ratio's whole interval is within --margin
   UNSURE          all else, also fewer than six repetitions on a side
-alpha holds for each case by itself. Cases of another packing, contact set or output form are refused, not compared.
+alpha holds for each case by itself. Cases of another packing, contact set, output form or ECC mode are refused.
 Exit: 0; 2 bad input; 4 pairs were refused; 6 no case in common; 7 with --fail-on-slow, if a case is SLOWER)";
 
 struct CompareOptions {
@@ -134,6 +135,8 @@ Json comparison_json(const RunFile& a, const RunFile& b, const Thresholds& thres
 }
 
 int compare_files(const CompareOptions& o) {
+  if (std::isnan(o.thresholds.alpha) || std::isnan(o.margin_percent))  // CLI::Range lets it pass
+    throw InputError("--alpha and --margin must be numbers");
   Thresholds thresholds = o.thresholds;
   thresholds.margin = 1e-2 * o.margin_percent;
   const RunFile a = read_run(o.a), b = read_run(o.b);

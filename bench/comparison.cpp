@@ -105,14 +105,15 @@ RunFile run_of(const json& file) {
   return run;
 }
 
-// "" if the two may be compared.
-std::string refusal(const TimedCase& a, const TimedCase& b) {
+// "" if the two may be compared. ECC costs bandwidth: with it in one run only, the ratio would be of two things at once.
+std::string refusal(const RunFile& run_a, const RunFile& run_b, const TimedCase& a, const TimedCase& b) {
   const auto differ = [](const char* what, const std::string& in_a, const std::string& in_b) {
     return fmt::format("{} differs: {} and {}", what, in_a.empty() ? "none" : in_a, in_b.empty() ? "none" : in_b);
   };
   if (a.output != b.output) return differ("output form", a.output, b.output);
   if (a.packing_hash != b.packing_hash) return differ("packing hash", a.packing_hash, b.packing_hash);
   if (a.contact_hash != b.contact_hash) return differ("contact hash", a.contact_hash, b.contact_hash);
+  if (!run_a.ecc.empty() && !run_b.ecc.empty() && run_a.ecc != run_b.ecc) return differ("ECC", run_a.ecc, run_b.ecc);
   return "";
 }
 
@@ -185,7 +186,7 @@ Comparison compare_runs(const RunFile& a, const RunFile& b, const Thresholds& th
     if (at == end) return false;
     const TimedCase* partner = at->second;
     waiting.erase(at);
-    if (const std::string why = refusal(*c, *partner); !why.empty())
+    if (const std::string why = refusal(a, b, *c, *partner); !why.empty())
       result.refused.push_back({c, partner, why});
     else
       result.compared.push_back({c, partner, compare_times(c->times_us, partner->times_us, thresholds)});

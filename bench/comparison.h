@@ -55,9 +55,12 @@ struct Thresholds {
 // The unit is a repetition's median: samples inside one repetition follow each other within milliseconds and share clocks and
 // caches, so they are no independent values, and taking all 135 of them would find "significant" what is only drift. On a's and
 // b's repetitions:
-//   FASTER, SLOWER  the 95 % intervals of the medians do not meet, the U-test's p is below alpha, and the ratio is beyond the
-//   margin SAME            the whole interval of the ratio is within the margin UNSURE          all else, also fewer than six
-//   repetitions on a side, of which no 95 % interval can be had
+//
+//   FASTER, SLOWER  the 95 % intervals of the medians do not meet, the U-test's p is below alpha, the ratio is beyond the margin
+//
+//   SAME            the whole interval of the ratio is within the margin
+//
+//   UNSURE          all else, also fewer than six repetitions on a side, of which no 95 % interval can be had
 TimeComparison compare_times(std::span<const double> a, std::span<const double> b, const Thresholds& thresholds);
 
 struct ComparedPair {
@@ -71,7 +74,8 @@ struct RefusedPair {
 
 struct Comparison {
   std::vector<ComparedPair> compared;  // in a's order
-  std::vector<RefusedPair> refused;    // the same question, but of another packing, another contact set or in another output form
+  // The same question, but of another packing, another contact set, in another output form, or with ECC on in one run only.
+  std::vector<RefusedPair> refused;
   std::vector<const TimedCase*> only_a, only_b;
   std::size_t count(Verdict verdict) const;
 };

@@ -250,14 +250,32 @@ TEST_F(CompareCommand, CasesThatOnlyTheirNamesTellApartAreMatchedByName) {
 
 TEST_F(CompareCommand, SaysWhatDiffersBetweenTheMachines) {
   for (json* file : {&a_, &b_}) add_case(*file, fixture_case("x"), nine(100, 0.01));
-  b_["context"]["touchstone"]["device"]["ecc"] = false;
+  b_["context"]["touchstone"]["device"]["driver"] = "2.0";
   b_["context"]["touchstone"]["device"]["name"] = "Other GPU";
   b_["context"]["touchstone"]["run"]["reportable"] = false;
   const Outcome o = compare();
   EXPECT_EQ(o.code, 0);
-  EXPECT_THAT(o.out, HasSubstr("ECC differs: true and false"));
+  EXPECT_THAT(o.out, HasSubstr("driver differs: 1.0 and 2.0"));
   EXPECT_THAT(o.out, HasSubstr("device differs: Fixture GPU and Other GPU"));
   EXPECT_THAT(o.out, HasSubstr("b.json is not reportable"));
+}
+
+TEST_F(CompareCommand, AnotherEccModeIsRefused) {
+  for (json* file : {&a_, &b_}) add_case(*file, fixture_case("x"), nine(100, 0.01));
+  b_["context"]["touchstone"]["device"]["ecc"] = false;
+  const Outcome o = compare();
+  EXPECT_EQ(o.code, 4);
+  EXPECT_THAT(o.out, HasSubstr("REFUSED  ECC differs: true and false"));
+  b_["context"]["touchstone"]["device"]["ecc"] = nullptr;  // unknown is said, not refused
+  const Outcome unknown = compare();
+  EXPECT_EQ(unknown.code, 0);
+  EXPECT_THAT(unknown.out, HasSubstr("ECC differs: true and unknown"));
+}
+
+TEST_F(CompareCommand, ThresholdsAreNumbers) {
+  for (json* file : {&a_, &b_}) add_case(*file, fixture_case("x"), nine(100, 0.01));
+  for (const char* option : {"--alpha nan", "--margin nan", "--alpha 2", "--margin -1"})
+    EXPECT_EQ(compare(option).code, 2) << option;
 }
 
 TEST_F(CompareCommand, NothingInCommonIsNoSuccess) {
