@@ -21,9 +21,10 @@ Ratio ratio_of(const Standing& slower, const Standing& faster) {
   std::vector<double> ratios;
   for (std::size_t k = 0; k < std::min(slower.rounds_us.size(), faster.rounds_us.size()); ++k)
     ratios.push_back(slower.rounds_us[k] / faster.rounds_us[k]);
-  Ratio r{interval_of_rounds(ratios), "SAME"};
-  if (!r.interval.known)
-    r.verdict = "UNSURE";
+  Ratio r{interval_of_rounds(ratios), "UNSURE"};
+  if (!r.interval.known) return r;
+  if (r.interval.low >= 1 / (1 + kContestMargin) && r.interval.high <= 1 + kContestMargin)
+    r.verdict = "SAME";
   else if (r.interval.low > 1)
     r.verdict = "FASTER";
   else if (r.interval.high < 1)

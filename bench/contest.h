@@ -20,6 +20,7 @@ struct Standing {
 };
 
 inline constexpr int kContestRounds = 9;
+inline constexpr double kContestMargin = 0.05;  // ratios within 1 / 1.05 … 1.05 are no difference, as for `touchstone compare`
 
 // An interval that holds the median of what the values were drawn from with a probability of at least 95 %: order statistics,
 // no distribution assumed (Hoefler and Belli 2015, rules 5 and 6). Fewer than six values cannot give one: `known` is false and
@@ -31,7 +32,8 @@ struct Interval {
 Interval interval_of_rounds(std::vector<double> values);
 
 // How many times as long `slower` took as `faster`: the median over rounds of the ratio within a round.
-// "FASTER": the interval lies above 1; "SLOWER": below; "SAME": it holds 1; "UNSURE": too few rounds for an interval.
+// "SAME": the whole interval is within the margin; else "FASTER": it lies above 1; "SLOWER": below; "UNSURE": it holds 1, or
+// there are too few rounds for an interval.
 struct Ratio {
   Interval interval;
   std::string verdict;

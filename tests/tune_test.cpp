@@ -233,7 +233,10 @@ TEST(Contest, ComparesWithinRounds) {
   EXPECT_EQ(ratio_of(standing(slow), standing(fast)).verdict, "FASTER");
   EXPECT_NEAR(ratio_of(standing(slow), standing(fast)).interval.middle, 1.1, 1e-9);
   EXPECT_EQ(ratio_of(standing(fast), standing(slow)).verdict, "SLOWER");
-  EXPECT_EQ(ratio_of(standing({9, 11, 9, 11, 9, 11, 9, 11, 10}), standing(std::vector<double>(9, 10))).verdict, "SAME");
+  const Standing ten = standing(std::vector<double>(9, 10));
+  EXPECT_EQ(ratio_of(standing({9.8, 10.2, 9.8, 10.2, 9.8, 10.2, 9.8, 10.2, 10}), ten).verdict, "SAME");
+  EXPECT_EQ(ratio_of(standing({9, 11, 9, 11, 9, 11, 9, 11, 10}), ten).verdict, "UNSURE");  // 0.9 to 1.1: too noisy to tell
+  EXPECT_EQ(ratio_of(standing(std::vector<double>(9, 10.2)), ten).verdict, "SAME");        // but for 2 %
   EXPECT_EQ(ratio_of(standing({20, 20}), standing({10, 10})).verdict, "UNSURE");
 }
 
