@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "bench/detectors.h"
 #include "bench/gpu_facts.h"
@@ -198,6 +200,7 @@ TuneConfig read_tune_config(const std::filesystem::path& path) {
   if (launch != "stream" && launch != "graph") choice.fail("launch", "\"stream\" or \"graph\"");
   c.launch = launch == "graph" ? Launch::graph : Launch::stream;
   c.packing = packing.word("name");
+  if (packing.positive("n") > std::numeric_limits<std::int32_t>::max()) packing.fail("n", "a number of balls below 2^31");
   c.n = static_cast<std::int64_t>(packing.positive("n"));
   c.rmin_cm = packing.positive("rmin_cm");
   c.rmax_cm = packing.positive("rmax_cm");

@@ -438,6 +438,7 @@ TEST_F(TuneFile, EveryDamageIsOneLineThatNamesIt) {
                           {"choice", "threads_narrow", 12.5},
                           {"choice", "threads_narrow", 4096},
                           {"packing", "n", 0},
+                          {"packing", "n", 1e300},
                           {"packing", "ravg_cm", nullptr}}) {
     Json damaged = file_;
     (*d.place ? damaged[d.place] : damaged)[d.key] = d.value;
