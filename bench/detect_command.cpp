@@ -10,6 +10,7 @@
 #include "bench/commands.h"
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
+#include "bench/output_folder.h"
 #include "bench/tune_file.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
@@ -67,6 +68,19 @@ DetectorParams params_of_config(const TuneConfig& config, const DetectorInfo& in
   return {cell_of(config.tuning, facts), config.tuning.threads_broad, config.tuning.threads_narrow, 0};
 }
 
+// A parameter that the detector does not take would be left out without a word.
+void require_taken(const DetectOptions& o, const DetectorInfo& info) {
+  const auto require = [&](bool taken, double given, const char* option) {
+    if (given < 0) throw InputError(fmt::format("{} {}: a positive number, or 0 for the detector's own choice", option, given));
+    if (!taken && given != 0)
+      throw InputError(fmt::format("{}: {} takes none; `touchstone list` names parameters", option, info.label()));
+  };
+  require(info.free_cell, o.cell_cm, "--cell-cm");
+  require(info.threads_broad, o.params.threads_broad, "--threads-broad");
+  require(info.threads_narrow, o.params.threads_narrow, "--threads-narrow");
+  require(info.buckets, o.params.cell_capacity, "--cell-capacity");
+}
+
 int detect(const DetectOptions& o) {
   std::optional<TuneConfig> config;
   if (!o.config.empty()) config = read_tune_config(o.config);
@@ -81,8 +95,8 @@ int detect(const DetectOptions& o) {
   const Cache cache = cache_argument(o.cache);
   if (!on_gpu(info) && (launch == Launch::graph || cache == Cache::cold))
     throw InputError("--launch graph and --cache cold are for GPU detectors");
-  if (o.cell_cm < 0)
-    throw InputError(fmt::format("--cell-cm {}: a positive length in cm, or 0 for the detector's own choice", o.cell_cm));
+  require_taken(o, info);
+  if (!o.contacts.empty()) require_writable_file(o.contacts);
   catch_interrupts();
   PackingContext context(packing_argument(o.packing, o.spec));
   const PackingFacts& f = context.facts;

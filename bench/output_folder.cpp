@@ -16,6 +16,13 @@ void require_writable_folder(const std::filesystem::path& folder) {
   std::filesystem::remove(probe, error);
 }
 
+void require_writable_file(const std::filesystem::path& file) {
+  std::error_code unreachable;
+  if (std::filesystem::is_other(file, unreachable)) return;  // a pipe or a device: nothing is put beside it
+  if (std::filesystem::is_directory(file, unreachable)) throw InputError(fmt::format("{}: a folder, not a file", file.string()));
+  require_writable_folder(file.has_parent_path() ? file.parent_path() : ".");
+}
+
 FolderLock::FolderLock(const std::filesystem::path& folder)
     : FileLock(folder / ".lock", [&folder] {
         throw InputError(

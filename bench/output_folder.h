@@ -10,6 +10,9 @@ namespace touchstone {
 // Makes the folder and proves that files can be written there. Throws InputError.
 void require_writable_folder(const std::filesystem::path& folder);
 
+// The same for a file that is written at the end of the work.
+void require_writable_file(const std::filesystem::path& file);
+
 // The lock of a run on its folder. Throws InputError at once if another run holds it.
 class FolderLock : public FileLock {
  public:

@@ -35,12 +35,6 @@ TuneOptions options_of(const TuneArguments& a) {
   return o;
 }
 
-// A minute of work must not end at a path that cannot be written.
-void require_writable(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file)) throw InputError(fmt::format("--out {}: a folder, not a file", file.string()));
-  require_writable_folder(file.has_parent_path() ? file.parent_path() : ".");
-}
-
 int tune(const TuneArguments& a) {
   const TuneOptions options = options_of(a);
   const int others = other_compute_processes();  // before our own context
@@ -51,7 +45,7 @@ int tune(const TuneArguments& a) {
   if (options.gpu && !gpu_usable()) fmt::print(stderr, "{}; CPU detectors are tuned\n", why_no_gpu());
   for (const std::string& reason : refusals(build_json(), device_json(), others))
     fmt::print(stderr, "warning: these times will mislead: {}\n", reason);
-  if (!a.out.empty()) require_writable(a.out);
+  if (!a.out.empty()) require_writable_file(a.out);
   catch_interrupts();
   PackingContext context(packing_argument(a.packing, a.spec));
   const TuneResult result = run_tune(options, context);

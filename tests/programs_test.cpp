@@ -88,6 +88,25 @@ TEST_F(Programs, AnOffSwitchIsNotCalledAMissingCompiler) {
   EXPECT_THAT(o.out, Not(HasSubstr("no nvcc")));
 }
 
+TEST_F(Programs, DetectRefusesWhatItWouldNotUse) {
+  const std::string detect = "detect " + kLoose;
+  expect_refused(detect + "--cell-cm 1", 2, "--cell-cm: serial_levels takes none");
+  expect_refused(detect + "--threads-broad 64", 2, "--threads-broad: serial_levels takes none");
+  expect_refused(detect + "--threads-narrow -5", 2, "--threads-narrow -5");
+  expect_refused(detect + "--detector serial_multi_cell --cell-cm -1", 2, "--cell-cm -1");
+  expect_refused(detect + "--detector serial_multi_cell --cell-capacity 8", 2, "--cell-capacity: serial_multi_cell takes none");
+  EXPECT_EQ(touchstone(detect + "--detector serial_multi_cell --cell-cm 1").code, 0);
+}
+
+TEST_F(Programs, DetectFindsABadPathBeforeItMeasures) {
+  write_text(path() / "file", "");
+  for (const std::string& bad : {file("file/contacts.csv"), path().string()}) {
+    const Outcome o = touchstone("detect " + kLoose + "--contacts " + bad);
+    EXPECT_EQ(o.code, 2);
+    EXPECT_EQ(o.out, "") << "it measured first";
+  }
+}
+
 // ---- publish: what it takes is in submission_test.cpp ----
 
 TEST_F(Programs, PublishLeavesWhatWasPublishedIfTheNewFileMayNotBe) {
