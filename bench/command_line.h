@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 
 #include "touchstone/error.h"
@@ -23,11 +26,18 @@ inline int parse(CLI::App& app, int argc, char** argv) {
   }
 }
 
+// What was printed must have arrived: a full disk behind a redirection is no success.
+inline int after_printing(const char* program, int code) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+  fmt::print(stderr, "{}: standard output cannot be written: {}\n", program, std::strerror(errno));
+  return code == kExitOk ? kExitInternal : code;
+}
+
 // Runs `body`; an exception becomes one line on stderr and its exit code.
 template <class Body>
 int guarded(const char* program, Body body) {
   try {
-    return body();
+    return after_printing(program, body());
   } catch (const InputError& e) {
     fmt::print(stderr, "{}: {}\n", program, e.what());
     return kExitInput;

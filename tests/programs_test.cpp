@@ -107,6 +107,15 @@ TEST_F(Programs, DetectFindsABadPathBeforeItMeasures) {
   }
 }
 
+TEST_F(Programs, OutputThatIsLostIsNoSuccess) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  for (const char* command : {"list", "version"}) {
+    const Outcome o = run_program(std::string("( " TOUCHSTONE " ") + command + " >/dev/full )");
+    EXPECT_EQ(o.code, 1) << command;
+    EXPECT_THAT(o.err, HasSubstr("cannot be written: No space left on device")) << command;
+  }
+}
+
 // ---- publish: what it takes is in submission_test.cpp ----
 
 TEST_F(Programs, PublishLeavesWhatWasPublishedIfTheNewFileMayNotBe) {
