@@ -13,8 +13,6 @@
 namespace touchstone::claims {
 namespace {
 
-const std::string kProgram = "build/cpu/bench/touchstone claims";
-
 // Table 3 as printed, its occupancy recomputed for another compute capability.
 Series table3_occupancy(const ResultsIndex& index, const std::string& compute_capability) {
   auto column = [&](const char* name) { return printed_column(index, "table3", name, "phase"); };
@@ -111,8 +109,10 @@ std::string refuting_command(const Claim& claim, const Claims& claims) {
   }
   const bool published = std::any_of(claim.rules.begin(), claim.rules.end(), [](const Rule& r) { return !r.measured; });
   if (command.empty() && !published) return fmt::format("nothing here measures {} yet", fmt::join(studies, ", "));
-  if (command.empty()) return kProgram + " --only " + claim.id;
-  return command + kProgram + " --local build/results --only " + claim.id;
+  if (command.empty()) return "build/cpu/bench/touchstone claims --only " + claim.id;
+  // From the build that measured: who has one preset need not have the other.
+  const char* const build = command.starts_with("build/gpu/") ? "build/gpu" : "build/cpu";
+  return fmt::format("{}{}/bench/touchstone claims --local build/results --only {}", command, build, claim.id);
 }
 
 }  // namespace
