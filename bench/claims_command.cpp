@@ -20,6 +20,8 @@ struct ClaimsOptions {
 };
 
 int print_claims(const ClaimsOptions& o) {
+  if (!o.local.empty() && !std::filesystem::is_directory(o.local))
+    throw InputError(fmt::format("--local {}: no folder of results; bench_detect makes build/results", o.local.string()));
   const claims::ResultsIndex index = claims::read_results(o.results, o.local);
   claims::Claims all = claims::read_claims(o.claims.empty() ? o.results / "claims.json" : o.claims);
   if (!o.only.empty()) {

@@ -492,6 +492,33 @@ TEST(Command, PrintsTheTableAndTheSameJsonTwice) {
   EXPECT_EQ(bad.code, 2);
   EXPECT_THAT(bad.err, HasSubstr("bad.json: no claims file"));
   EXPECT_EQ(run_program(std::string(TOUCHSTONE) + " claims --results /nowhere").code, 2);
+  const auto nowhere = run_program(base + " --local /nowhere");
+  EXPECT_EQ(nowhere.code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("--local /nowhere: no folder"));
+}
+
+TEST(ClaimsFile, AKeyGivenTwiceIsRefused) {
+  const TemporaryFolder folder;
+  std::string text = claims_of(R"({"count": "all"})", "==", "1", "measured").dump();
+  text.replace(text.find("\"threshold\":"), 0, "\"threshold\": 2, ");
+  write_text(folder.path() / "claims.json", text);
+  try {
+    read_claims(folder.path() / "claims.json");
+    FAIL() << "one of two thresholds was taken";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("key \"threshold\" for the second time"));
+  }
+}
+
+TEST(ResultsFile, AKeyOfAnotherTypeNamesTheFile) {
+  const Tree tree;
+  tree.change("test-gpu/sweep.json", [](json& j) { j["context"]["touchstone"]["device"]["name"] = 5; });
+  try {
+    read_results(tree.root(), "");
+    FAIL() << "a device named 5";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("sweep.json"));
+  }
 }
 
 TEST(Command, LocalResultsStandBesideTheCommittedOnes) {

@@ -95,8 +95,11 @@ void read_devices(const fs::path& root, bool local, std::set<std::string>& runs,
     for (const fs::path& path : sorted(folder, false)) {
       const json file = read_results_file(path);
       // A run without a name can't be told from another: it is kept.
-      if (const std::string id = run_id(file) + "/" + path.stem().string(); id.front() == '/' || runs.insert(id).second)
-        add_file(file, path, source);
+      if (const std::string id = run_id(file) + "/" + path.stem().string(); id.front() == '/' || runs.insert(id).second) try {
+          add_file(file, path, source);
+        } catch (const json::exception& e) {
+          throw InputError(fmt::format("{}: a key of another type than schema touchstone/1 has: {}", path.string(), e.what()));
+        }
     }
     if (source.studies.empty()) continue;
     if (local) source.slug += "_local", source.label += " (this machine)";

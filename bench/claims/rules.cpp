@@ -6,6 +6,7 @@
 #include <set>
 
 #include "bench/claims/results_index.h"
+#include "bench/strict_json.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -289,7 +290,9 @@ Claims parse_claims(const json& file) {
 
 Claims read_claims(const std::filesystem::path& path) {
   try {
-    return parse_claims(json::parse(read_whole(path)));
+    const std::string text = read_whole(path);
+    parse_strict_json(text, "no claims file");  // a key given twice would be half a rule; parsed anew to keep the file's order
+    return parse_claims(json::parse(text));
   } catch (const nlohmann::json::exception& e) {
     throw InputError(fmt::format("{}: no claims file: {}", path.string(), e.what()));
   } catch (const InputError& e) {
