@@ -20,7 +20,7 @@ Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {
       const std::size_t end = text.find('\n', begin);
       const bool last = end == std::string::npos || end + 1 == text.size();
       Json line = Json::parse(text.substr(begin, end == std::string::npos ? end : end - begin), nullptr, false);
-      if (end == std::string::npos || line.is_discarded() || !line.contains("key")) {
+      if (end == std::string::npos || line.is_discarded() || !line.contains("key") || !line["key"].is_string()) {
         if (!last)
           throw InputError(fmt::format("{}:{}: not a journal line; move the file away to start anew", path_.string(), number));
         fmt::print(stderr, "{}:{}: torn last line dropped; its case is measured again\n", path_.string(), number);

@@ -140,12 +140,13 @@ TEST_F(Run, DropsATornLastLineAndMeasuresItsCaseAgain) {
   EXPECT_THAT(result()["context"]["touchstone"]["run"]["why_not"].dump(), HasSubstr("which did not end"));
   EXPECT_THAT(SchemaCheck().faults(result()), IsEmpty());
 
-  std::string text = file_text(journal);
-  text[0] = '?';
-  write_text(journal, text);
-  const Outcome damaged = bench("--packings n300");
-  EXPECT_EQ(damaged.code, 2);
-  EXPECT_THAT(damaged.err, HasSubstr("table2.jsonl:1: not a journal line"));
+  const std::string text = file_text(journal);
+  for (const std::string& bad : {"?" + text.substr(1), "{\"key\": 1}\n" + text}) {
+    write_text(journal, bad);
+    const Outcome damaged = bench("--packings n300");
+    EXPECT_EQ(damaged.code, 2);
+    EXPECT_THAT(damaged.err, HasSubstr("table2.jsonl:1: not a journal line"));
+  }
 }
 
 TEST_F(Run, KeepsWhatAnInterruptedRunFinished) {
