@@ -49,13 +49,16 @@ void add_plan_command(CLI::App& app, int& exit_code) {
 }
 
 void add_version_command(CLI::App& app) {
-  app.add_subcommand("version", "version, commit and build")->callback([] {
+  const auto text = [] {
     const Json source = source_json(), build = build_json();
-    fmt::print("touchstone {} ({}{}; content {}), {} {}, CUDA {}\n", source["version"].get<std::string>(),
-               source["commit"].get<std::string>(), source["dirty"] == true ? ", uncommitted changes" : "",
-               source["content_hash"].get<std::string>(), build["compiler"].get<std::string>(), build["type"].get<std::string>(),
-               build["cuda_compiler"].is_null() ? "not built in" : build["cuda_compiler"].get<std::string>());
-  });
+    return fmt::format("touchstone {} ({}{}; content {}), {} {}, CUDA {}", source["version"].get<std::string>(),
+                       source["commit"].get<std::string>(), source["dirty"] == true ? ", uncommitted changes" : "",
+                       source["content_hash"].get<std::string>(), build["compiler"].get<std::string>(),
+                       build["type"].get<std::string>(),
+                       build["cuda_compiler"].is_null() ? "not built in" : build["cuda_compiler"].get<std::string>());
+  };
+  app.add_subcommand("version", "version, commit and build")->callback([text] { fmt::print("{}\n", text()); });
+  app.set_version_flag("--version", text);
 }
 
 }  // namespace touchstone

@@ -88,6 +88,13 @@ TEST_F(Programs, AnOffSwitchIsNotCalledAMissingCompiler) {
   EXPECT_THAT(o.out, Not(HasSubstr("no nvcc")));
 }
 
+TEST_F(Programs, VersionIsToldEitherWay) {
+  const Outcome command = touchstone("version"), option = touchstone("--version");
+  EXPECT_EQ(option.code, 0) << option.err;
+  EXPECT_THAT(option.out, HasSubstr("touchstone "));
+  EXPECT_EQ(option.out, command.out);
+}
+
 TEST_F(Programs, DetectRefusesWhatItWouldNotUse) {
   const std::string detect = "detect " + kLoose;
   expect_refused(detect + "--cell-cm 1", 2, "--cell-cm: serial_levels takes none");
