@@ -42,12 +42,12 @@ int tune(const TuneArguments& a) {
     fmt::print(stderr, "touchstone: --place gpu: {}\n", why_no_gpu());
     return kExitNoGpu;
   }
-  if (options.gpu && !gpu_usable()) fmt::print(stderr, "{}; CPU detectors are tuned\n", why_no_gpu());
-  for (const std::string& reason : refusals(build_json(), device_json(), others))
-    fmt::print(stderr, "warning: these times will mislead: {}\n", reason);
   if (!a.out.empty()) require_writable_file(a.out);
   catch_interrupts();
   PackingContext context(packing_argument(a.packing, a.spec));
+  if (options.gpu && !gpu_usable()) fmt::print(stderr, "{}; CPU detectors are tuned\n", why_no_gpu());
+  for (const std::string& reason : refusals(build_json(), device_json(), others))
+    fmt::print(stderr, "warning: these times will mislead: {}\n", reason);
   const TuneResult result = run_tune(options, context);
   fmt::print("{}{}", tune_text(result, context), exhaustive_text(result, context));
   if (!a.out.empty()) {

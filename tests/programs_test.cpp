@@ -95,6 +95,11 @@ TEST_F(Programs, VersionIsToldEitherWay) {
   EXPECT_EQ(option.out, command.out);
 }
 
+TEST_F(Programs, TuneRefusesInOneLine) {
+  expect_refused("tune", 2, "give either --packing FILE or --spec");
+  expect_refused("tune --packing " + file("absent.csv"), 2, "absent.csv");
+}
+
 TEST_F(Programs, DetectRefusesWhatItWouldNotUse) {
   const std::string detect = "detect " + kLoose;
   expect_refused(detect + "--cell-cm 1", 2, "--cell-cm: serial_levels takes none");
