@@ -156,6 +156,8 @@ void print_report(const VerifyOptions& o, const NamedPacking& p, const TrueConta
 int verify(VerifyOptions& o) {
   o.file.format = contact_format(o.format);
   o.file.timestep = o.timestep;
+  if (o.timestep && !is_dump(o.packing) && !is_dump(o.contacts))
+    throw InputError("--timestep: neither the packing nor the list is a dump with timesteps");
   o.rule.rounding = choice_of<Rounding>(
       o.borderline, "--borderline", {{"float32", Rounding::float32}, {"float64", Rounding::float64}, {"exact", Rounding::exact}});
   const ListForm form =
@@ -198,7 +200,7 @@ void add_verify_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--tolerance", o->rule.tolerance_m,
                       "m, added to the borderline gap: for coordinates written with few digits");
-  command->add_option("--limit", o->limit, "examples of each kind")->capture_default_str();
+  command->add_option("--limit", o->limit, "examples of each kind")->capture_default_str()->check(CLI::NonNegativeNumber);
   command->add_option("--json", o->json, "write the verdict to this file");
   command->callback([o, &exit_code] { exit_code = verify(*o); });
 }

@@ -128,6 +128,15 @@ TEST_F(Programs, OutputThatIsLostIsNoSuccess) {
   }
 }
 
+TEST_F(Programs, VerifyRefusesWhatItWouldNotUse) {
+  ASSERT_EQ(touchstone("pack " + kLoose + "--out " + file("p.csv")).code, 0);
+  ASSERT_EQ(touchstone("detect --packing " + file("p.csv") + " --contacts " + file("c.csv")).code, 0);
+  const std::string verify = "verify --packing " + file("p.csv") + " --contacts " + file("c.csv");
+  EXPECT_EQ(touchstone(verify).code, 0);
+  expect_refused(verify + " --limit -1", 2, "--limit");
+  expect_refused(verify + " --timestep 5", 2, "--timestep: neither");
+}
+
 // ---- publish: what it takes is in submission_test.cpp ----
 
 TEST_F(Programs, PublishLeavesWhatWasPublishedIfTheNewFileMayNotBe) {
