@@ -21,6 +21,9 @@ struct SubmitOptions {
 };
 
 int submit(const SubmitOptions& o) {
+  if (!std::filesystem::exists(o.results / "expected.json"))
+    throw InputError(fmt::format("submit: no expected.json in {}; give --results, the results folder of a clone of Touchstone",
+                                 o.results.string()));
   const nlohmann::json expected = read_expected(o.results / "expected.json");
   const std::string bytes = read_whole(o.file);
   const std::vector<std::string> faults = faults_of(bytes, o.file, expected);

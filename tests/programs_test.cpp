@@ -137,6 +137,11 @@ TEST_F(Programs, VerifyRefusesWhatItWouldNotUse) {
   expect_refused(verify + " --timestep 5", 2, "--timestep: neither");
 }
 
+TEST_F(Programs, SubmitSaysWhatItsResultsFolderLacks) {
+  write_text(path() / "card/table2.json", "{}");
+  expect_refused("submit --check " + file("card/table2.json") + " --results " + file("none"), 2, "give --results");
+}
+
 // ---- publish: what it takes is in submission_test.cpp ----
 
 TEST_F(Programs, PublishLeavesWhatWasPublishedIfTheNewFileMayNotBe) {
