@@ -99,14 +99,14 @@ TEST(LammpsDump, UnwrappedCoordinatesReturnToAPeriodicBox) {
 }
 
 TEST(LammpsDump, PlainCoordinatesAreKeptToTheLastDigit) {
-  std::string text = replaced(kAtoms, "ff ff ff", "pp pp pp");
-  text = replaced(text, "0.2 4 1 4 5 6", "0.2 4 1 0.1 -0.3 10.0000001");
+  std::string text = replaced(kAtoms, "ff ff ff\n0 10\n", "pp pp pp\n0.1 1.9\n");
+  text = replaced(text, "0.2 4 1 4 5 6", "0.2 4 1 1.0000005364418029 -0.3 10.01");
   for (const char* names : {"x y z", "xu yu zu"}) {
     const Ball b = dump(replaced(text, "x y z", names)).packing.balls[0];
-    EXPECT_EQ(b.x, 0.1f);
+    EXPECT_EQ(b.x, 1.0000005364418029f);  // as a share of this box and back it would be the next float
     EXPECT_EQ(b.y, -0.3f);
   }
-  EXPECT_EQ(dump(text).packing.balls[0].z, 10.0000001f);  // a little outside until LAMMPS wraps it: left there
+  EXPECT_EQ(dump(text).packing.balls[0].z, 10.01f);  // a little outside until LAMMPS wraps it: left there
 }
 
 TEST(LammpsDump, TheLastSnapshotOrTheOneAskedFor) {
