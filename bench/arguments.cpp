@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "datasets/formats.h"
 #include "datasets/store.h"
 #include "touchstone/error.h"
 
@@ -24,10 +23,20 @@ OutputForm output_argument(const std::string& word) {
 Launch launch_argument(const std::string& word) { return one_of(word, Launch::stream, Launch::graph, "--launch"); }
 Cache cache_argument(const std::string& word) { return one_of(word, Cache::hot, Cache::cold, "--cache"); }
 
-Packing packing_argument(const std::string& file, const std::string& spec) {
+PackingFile packing_file_argument(const std::filesystem::path& file, std::optional<std::int64_t> timestep) {
+  PackingFile read = read_packing_file(file, timestep);
+  if (timestep && !read.timestep)
+    throw InputError(fmt::format("{}: has no timesteps; --timestep is for LAMMPS files", file.string()));
+  for (const std::string& note : notes_on(read, timestep.has_value())) fmt::print(stderr, "note: {}: {}\n", file.string(), note);
+  return read;
+}
+
+Packing packing_argument(const std::string& file, const std::string& spec, std::optional<std::int64_t> timestep) {
   if (file.empty() == spec.empty()) throw InputError("give either --packing FILE or --spec n=…,c=…");
-  Packing packing = file.empty() ? load_or_make(parse_spec(spec), default_packing_folder()) : read_packing(file);
-  validate(packing.balls, file.empty() ? spec : file);
+  if (!file.empty()) return packing_file_argument(file, timestep).packing;
+  if (timestep) throw InputError("--timestep goes with --packing");
+  Packing packing = load_or_make(parse_spec(spec), default_packing_folder());
+  validate(packing.balls, spec);
   return packing;
 }
 

@@ -20,6 +20,7 @@ namespace {
 
 struct DetectOptions {
   std::string packing, spec, config, contacts;
+  std::optional<std::int64_t> timestep;
   std::string detector = "serial_levels", output = "pairs", launch = "stream", cache = "hot";
   bool output_given = false, launch_given = false;  // else a configuration decides
   double cell_cm = 0;
@@ -98,7 +99,7 @@ int detect(const DetectOptions& o) {
   require_taken(o, info);
   if (!o.contacts.empty()) require_writable_file(o.contacts);
   catch_interrupts();
-  PackingContext context(packing_argument(o.packing, o.spec));
+  PackingContext context(packing_argument(o.packing, o.spec, o.timestep));
   const PackingFacts& f = context.facts;
   fmt::print("packing                    {}: {} balls, radii {:.4g} to {:.4g} cm (mean {:.4g}), hash {}\n", context.packing.name,
              f.n, 100 * f.rmin, 100 * f.rmax, 100 * f.ravg, hex64(packing_hash(context.packing.balls)));
@@ -130,7 +131,8 @@ int detect(const DetectOptions& o) {
 void add_detect_command(CLI::App& app, int& exit_code) {
   auto o = std::make_shared<DetectOptions>();
   auto* command = app.add_subcommand("detect", "run one detector on one packing, check it, time it");
-  command->add_option("--packing", o->packing, "a packing file: .balls, .xyz, .csv");
+  command->add_option("--packing", o->packing, kPackingHelp);
+  command->add_option("--timestep", o->timestep, kTimestepHelp);
   command->add_option("--spec", o->spec, "a packing to make, such as n=20653,c=4");
   auto* config = command->add_option("--config", o->config, "detector, cell and threads as `touchstone tune --out` wrote them");
   command->add_option("--detector", o->detector, "name or name/layout (see `touchstone list`)")

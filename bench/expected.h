@@ -2,9 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace touchstone {
+
+// The packings of <results>/expected.json by name, each with n, packing_hash, rmin_cm, rmax_cm, ravg_cm, contacts and
+// contact_hash. Throws InputError where the file cannot be read, is no strict JSON, or has no object `packings`.
+nlohmann::json read_expected(const std::filesystem::path& results);
 
 // Why times on the packing of this name (Packing::name) and these bytes (packing_hash) must not be reported: the hash is not the
 // expected one, or there is no list to look into. "" if they may be, also for a name that is not listed (another seed or

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/arguments.h"
 #include "bench/commands.h"
 #include "bench/interrupt.h"
 #include "bench/study.h"
@@ -25,6 +26,7 @@ namespace {
 
 struct PackOptions {
   std::string spec, check, out, format, folder, record;
+  std::optional<std::int64_t> timestep;
   std::vector<std::string> sets;
   bool list = false;
 };
@@ -98,13 +100,14 @@ void list(const PackOptions& o) {
   }
 }
 
-void check(const std::string& file) {
-  const Packing packing = read_packing(file);
+Packing check(const std::string& file, std::optional<std::int64_t> timestep) {
+  Packing packing = packing_file_argument(file, timestep).packing;
   print_facts(packing);
   if (const auto cached = cached_meta(file, packing_hash(packing.balls))) {
     fmt::print("  spec {}\n", cached->spec);
     print_validity(cached->meta);
   }
+  return packing;
 }
 
 // What anyone who makes this packing must find: the bytes' hash, and the contacts by the all-core reference.
@@ -125,6 +128,7 @@ int pack(const PackOptions& o) {
   if (asked != 1) throw InputError("pack: give one of --spec SPEC, --set NAME, --check FILE and --list");
   if (!o.out.empty() && o.spec.empty() && o.check.empty()) throw InputError("pack: --out goes with --spec or --check");
   if (!o.record.empty() && o.sets.empty()) throw InputError("pack: --record goes with --set");
+  if (o.timestep && o.check.empty()) throw InputError("pack: --timestep goes with --check");
   if (!o.format.empty() && o.out.empty()) throw InputError("pack: --format goes with --out");
   catch_interrupts();
   const auto write = [&](const Packing& packing) {
@@ -144,10 +148,7 @@ int pack(const PackOptions& o) {
     }
   if (!o.record.empty())
     write_atomically(o.record, nlohmann::json{{"generator_version", kGeneratorVersion}, {"packings", expected}}.dump(2) + "\n");
-  if (!o.check.empty()) {
-    check(o.check);
-    if (!o.out.empty()) write(read_packing(o.check));
-  }
+  if (!o.check.empty()) write(check(o.check, o.timestep));
   return kExitOk;
 }
 
@@ -162,7 +163,8 @@ void add_pack_command(CLI::App& app, int& exit_code) {
                       "make all packings of these sets: table2, figure6, a study (equations, fairness), or a JSON file");
   command->add_option("--record", o->record,
                       "write hash, radii and contacts of the sets' packings to this file (results/expected.json)");
-  command->add_option("--check", o->check, "read a .balls, .xyz or .csv file, validate it, print its facts");
+  command->add_option("--check", o->check, "read a .balls, .xyz, .csv or LAMMPS file, validate it, print its facts");
+  command->add_option("--timestep", o->timestep, kTimestepHelp);
   command->add_flag("--list", o->list, "list the packings that are cached");
   command->add_option("--out", o->out, "write the packing of --spec or --check to this file");
   command->add_option("--format", o->format, "balls, xyz, csv or vtp; otherwise by the extension of --out");

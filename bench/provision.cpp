@@ -14,7 +14,45 @@ namespace {
 
 constexpr double kTuningSeconds = 2.5;  // of one detector and form, on a typical machine
 
+bool is_made(const std::filesystem::path& folder, const PackingSpec& spec) {
+  return std::filesystem::exists(folder / (name_of(spec) + ".balls"));
+}
+
+bool needs_tuning(const Case& c) { return c.protocol == Protocol::best && tunable(*c.detector); }
+
+// One tuning for each detector, form of output and packing it is tuned on.
+std::string name_of_tuning(const Case& c, const PackingSpec& on) {
+  return fmt::format("{}/{}/{}", c.detector->label(), to_string(c.output), name_of(on));
+}
+
 }  // namespace
+
+double Needs::packing_seconds() const {
+  double seconds = 0;
+  for (const OfPacking& p : packings)
+    if (!p.made) seconds += estimated_packing_seconds(p.spec);
+  return seconds;
+}
+
+double Needs::tuning_seconds() const { return kTuningSeconds * tunings; }
+
+Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& packing_folder, Profile profile,
+               std::int32_t tuning_n) {
+  const std::filesystem::path folder = packing_folder.empty() ? default_packing_folder() : packing_folder;
+  Needs needs;
+  std::set<std::string> packings, tunings;
+  const auto add = [&](const PackingSpec& spec) {
+    if (packings.insert(name_of(spec)).second) needs.packings.push_back({spec, is_made(folder, spec)});
+  };
+  for (const Case& c : cases) add(c.packing);
+  for (const Case& c : cases) {
+    if (!needs_tuning(c)) continue;
+    const PackingSpec on = tuning_spec(c.packing, profile, tuning_n);
+    add(on);
+    if (tunings.insert(name_of_tuning(c, on)).second) ++needs.tunings;
+  }
+  return needs;
+}
 
 Provision::Provision(std::filesystem::path packing_folder, Profile profile, std::int32_t tuning_n, Journal& journal,
                      std::string key_prefix)
@@ -24,28 +62,11 @@ Provision::Provision(std::filesystem::path packing_folder, Profile profile, std:
       journal_(journal),
       key_prefix_(std::move(key_prefix)) {}
 
-bool Provision::needs_tuning(const Case& c) const { return c.protocol == Protocol::best && tunable(*c.detector); }
-
-// One tuning for each detector, form of output and packing it is tuned on.
-std::string Provision::tuning_name(const Case& c) const {
-  return fmt::format("{}/{}/{}", c.detector->label(), to_string(c.output), name_of(tuning_spec(c.packing, profile_, tuning_n_)));
-}
+std::string Provision::tuning_name(const Case& c) const { return name_of_tuning(c, tuning_spec(c.packing, profile_, tuning_n_)); }
 
 double Provision::estimated_seconds(const std::vector<Case>& cases) const {
-  std::set<std::string> packings, tunings;
-  double seconds = 0;
-  const auto count = [&](const PackingSpec& spec) {
-    const std::string name = name_of(spec);
-    if (packings.insert(name).second && !std::filesystem::exists(folder_ / (name + ".balls")))
-      seconds += estimated_packing_seconds(spec);
-  };
-  for (const Case& c : cases) {
-    count(c.packing);
-    if (!needs_tuning(c)) continue;
-    count(tuning_spec(c.packing, profile_, tuning_n_));
-    if (tunings.insert(tuning_name(c)).second) seconds += kTuningSeconds;
-  }
-  return seconds;
+  const Needs needs = needs_of(cases, folder_, profile_, tuning_n_);
+  return needs.packing_seconds() + needs.tuning_seconds();
 }
 
 void Provision::provide(const std::vector<Case>& cases, bool fresh, Eta& eta) {
@@ -67,8 +88,7 @@ std::vector<std::string> Provision::objections() const {
 PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
   std::unique_ptr<PackingContext>& context = packings_[name_of(spec)];
   if (context) return *context;
-  const bool made = std::filesystem::exists(folder_ / (name_of(spec) + ".balls"));
-  const double seconds = made ? 0 : estimated_packing_seconds(spec);
+  const double seconds = is_made(folder_, spec) ? 0 : estimated_packing_seconds(spec);
   const auto progress = [&](double share, std::string_view what) {
     stop_if_interrupted();
     eta.show(done_ + share * seconds, fmt::format("packing {}: {} {:.0f} %", name_of(spec), what, 100 * share));

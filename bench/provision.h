@@ -13,13 +13,29 @@
 
 namespace touchstone {
 
+// What cases need before they run, found without doing it.
+struct Needs {
+  struct OfPacking {
+    PackingSpec spec;
+    bool made = false;  // it lies in the folder
+  };
+  std::vector<OfPacking> packings;  // each once: those that are timed, then those that are tuned on
+  int tunings = 0;                  // each of a detector, a form of output and a packing to tune on
+
+  double packing_seconds() const;  // of those to be made, on two cores, roughly
+  double tuning_seconds() const;
+};
+// `packing_folder` empty: default_packing_folder().
+Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& packing_folder, Profile profile,
+               std::int32_t tuning_n);
+
 class Provision {
  public:
   // `journal` keeps tunings under keys that start with `key_prefix`.
   Provision(std::filesystem::path packing_folder, Profile profile, std::int32_t tuning_n, Journal& journal,
             std::string key_prefix);
 
-  // Seconds that provide() will take, roughly: packings not yet in the folder, and tunings.
+  // Seconds that provide() will take, roughly.
   double estimated_seconds(const std::vector<Case>& cases) const;
 
   // Makes or loads the packings, then tunes. `fresh` tunes again what the journal holds. Throws Interrupted.
@@ -33,7 +49,6 @@ class Provision {
   std::vector<std::string> objections() const;
 
  private:
-  bool needs_tuning(const Case& c) const;
   std::string tuning_name(const Case& c) const;
   PackingContext& load(const PackingSpec& spec, Eta& eta);
   void tune_for(const Case& c, bool fresh, Eta& eta);

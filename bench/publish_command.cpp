@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/commands.h"
+#include "bench/expected.h"
 #include "bench/submission.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
@@ -28,7 +29,7 @@ int publish(const PublishOptions& o) {
       if (entry.path().extension() == ".json") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   if (files.empty()) throw InputError(fmt::format("publish: no measurements in {}; `make figures` makes them", o.local.string()));
-  const nlohmann::json expected = read_expected(o.results / "expected.json");
+  const nlohmann::json expected = read_expected(o.results);
   int refused = 0;
   for (const std::filesystem::path& path : files) {
     const std::string bytes = read_whole(path);

@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
 #include "bench/machine.h"
+#include "bench/strict_json.h"
 #include "bench/submission_case.h"
 #include "bench/submission_fields.h"
-#include "datasets/files.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
@@ -120,29 +118,13 @@ std::vector<std::vector<const json*>> cases_of(const json& file, Faults& faults)
 
 }  // namespace
 
-json parse_results(std::string_view text, const std::string& where) {
-  std::vector<std::set<std::string>> keys;
-  try {
-    return json::parse(text, [&](int, json::parse_event_t event, json& value) {
-      if (event == json::parse_event_t::object_start) keys.emplace_back();
-      if (event == json::parse_event_t::object_end) keys.pop_back();
-      if (event == json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-        throw InputError(fmt::format("{}: key {} twice in one object", where, value.dump()));
-      return true;
-    });
-  } catch (const json::exception& e) {
-    throw InputError(fmt::format("{}: no JSON: {}", where, e.what()));
-  }
-}
-
 std::vector<std::string> submission_faults(const json& file, const json& expected, const std::string& folder,
                                            const std::string& study) {
   Faults faults;
-  const json::json_pointer touchstone("/context/touchstone"), packings("/packings");
+  const json::json_pointer touchstone("/context/touchstone");
   if (!file.is_object() || !file.contains(touchstone) || !file[touchstone].is_object() || !file.contains("benchmarks") ||
       !file["benchmarks"].is_array())
     return {"file: no context.touchstone or no benchmarks; must be a results file of schema touchstone/1"};
-  if (!expected.contains(packings)) return {"expected.json: no packings"};
   const json& t = file[touchstone];
   const bool readable = context_has_its_fields(file["context"], faults);
   const auto cases = cases_of(file, faults);
@@ -150,7 +132,7 @@ std::vector<std::string> submission_faults(const json& file, const json& expecte
   check_run(t, study, faults);
   check_build(t, faults);
   check_device(t, folder, faults);
-  for (const auto& entries : cases) check_case(entries, expected[packings], t, faults);
+  for (const auto& entries : cases) check_case(entries, expected, t, faults);
   const std::size_t done = t["run"]["done"].get<std::size_t>() + t["run"]["kept_from_other_selections"].get<std::size_t>();
   faults.require(!cases.empty(), "benchmarks", "hold no case");
   faults.require(cases.size() == done, "benchmarks",
@@ -162,14 +144,12 @@ std::vector<std::string> submission_faults(const json& file, const json& expecte
 std::vector<std::string> faults_of(std::string_view bytes, const std::filesystem::path& path, const json& expected) {
   try {
     const std::filesystem::path full = std::filesystem::absolute(path);
-    return submission_faults(parse_results(bytes, full.filename().string()), expected, full.parent_path().filename().string(),
+    return submission_faults(parse_strict_json(bytes, full.filename().string()), expected, full.parent_path().filename().string(),
                              full.stem().string());
   } catch (const InputError& e) {
     return {e.what()};
   }
 }
-
-json read_expected(const std::filesystem::path& path) { return parse_results(read_whole(path), path.string()); }
 
 SubmissionSummary summary_of(const json& file) {
   const json& t = file["context"]["touchstone"];

@@ -11,20 +11,14 @@
 
 namespace touchstone {
 
-// A results file's text as JSON. Throws InputError naming `where`: malformed, NaN, or a key twice in one object.
-nlohmann::json parse_results(std::string_view text, const std::string& where);
-
 // Every check that `file` (the content of <folder>/<study>.json) fails, one line each: "where: what it is; what would be right".
-// A fault that many cases share is one line with the first of them. `expected` is the content of results/expected.json.
+// A fault that many cases share is one line with the first of them. `expected`: read_expected() of bench/expected.h.
 std::vector<std::string> submission_faults(const nlohmann::json& file, const nlohmann::json& expected, const std::string& folder,
                                            const std::string& study);
 
 // The same for a results file's bytes; text that is no JSON is a fault too. `path` gives folder and study: results belong in
 // <folder of the device>/<study>.json.
 std::vector<std::string> faults_of(std::string_view bytes, const std::filesystem::path& path, const nlohmann::json& expected);
-
-// results/expected.json. Throws InputError.
-nlohmann::json read_expected(const std::filesystem::path& path);
 
 // What a file without faults holds, for people.
 struct SubmissionSummary {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "bench/commands.h"
+#include "bench/expected.h"
+#include "bench/strict_json.h"
 #include "bench/submission.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
@@ -24,13 +26,13 @@ int submit(const SubmitOptions& o) {
   if (!std::filesystem::exists(o.results / "expected.json"))
     throw InputError(fmt::format("submit: no expected.json in {}; give --results, the results folder of a clone of Touchstone",
                                  o.results.string()));
-  const nlohmann::json expected = read_expected(o.results / "expected.json");
+  const nlohmann::json expected = read_expected(o.results);
   const std::string bytes = read_whole(o.file);
   const std::vector<std::string> faults = faults_of(bytes, o.file, expected);
   for (const std::string& fault : faults) fmt::print(stderr, "submit: {}: {}\n", o.file.string(), fault);
   if (!faults.empty()) return kExitInput;
 
-  const SubmissionSummary s = summary_of(parse_results(bytes, o.file.string()));
+  const SubmissionSummary s = summary_of(parse_strict_json(bytes, o.file.string()));
   fmt::print("{}: all checks pass: {} cases on {}, {} skipped, commit {}, run {}\n", o.file.string(), s.cases, s.device,
              s.skipped, s.commit, s.run_id);
   for (const auto& [flag, cases] : s.flags) fmt::print("  flag {}: {} cases\n", flag, cases);

@@ -20,6 +20,7 @@ namespace {
 
 struct TuneArguments {
   std::string packing, spec, out, output = "pairs", launch = "stream", place = "all";
+  std::optional<std::int64_t> timestep;
   TuneOptions options;
 };
 
@@ -44,7 +45,7 @@ int tune(const TuneArguments& a) {
   }
   if (!a.out.empty()) require_writable_file(a.out);
   catch_interrupts();
-  PackingContext context(packing_argument(a.packing, a.spec));
+  PackingContext context(packing_argument(a.packing, a.spec, a.timestep));
   if (options.gpu && !gpu_usable()) fmt::print(stderr, "{}; CPU detectors are tuned\n", why_no_gpu());
   for (const std::string& reason : refusals(build_json(), device_json(), others))
     fmt::print(stderr, "warning: these times will mislead: {}\n", reason);
@@ -62,7 +63,8 @@ int tune(const TuneArguments& a) {
 void add_tune_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<TuneArguments>();
   auto* command = app.add_subcommand("tune", "find the fastest detector, cell and launch shape for a packing on this machine");
-  command->add_option("--packing", a->packing, "a packing file: .balls, .xyz, .csv");
+  command->add_option("--packing", a->packing, kPackingHelp);
+  command->add_option("--timestep", a->timestep, kTimestepHelp);
   command->add_option("--spec", a->spec, "a packing to make, such as n=20653,c=4");
   command->add_option("--output", a->output, "pairs or ball_lists")->capture_default_str();
   command->add_option("--detectors", a->options.detectors, "regular expression, searched in the labels of `touchstone list`");

@@ -4,16 +4,14 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bench/arguments.h"
 #include "bench/case.h"
 #include "bench/commands.h"
 #include "bench/contact_judge.h"
 #include "bench/detectors.h"
 #include "bench/verify.h"
 #include "datasets/contact_files.h"
-#include "datasets/file_bytes.h"
 #include "datasets/files.h"
-#include "datasets/formats.h"
-#include "datasets/lammps_dump.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
@@ -36,24 +34,19 @@ struct VerifyOptions {
   std::size_t limit = 5;
 };
 
-struct NamedPacking {
-  Packing packing;
-  std::vector<std::int64_t> id;  // the balls' names, if the file gives any
-  std::optional<std::int64_t> timestep;
-};
-
-bool is_dump(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension == ".dump" || extension == ".lammpstrj") return true;
-  return extension != ".balls" && FileBytes(path).text().starts_with("ITEM:");
-}
-
-NamedPacking read_named_packing(const VerifyOptions& o) {
-  if (!is_dump(o.packing)) return {read_packing(o.packing), {}, {}};
-  DumpedPacking d = parse_lammps_atoms(FileBytes(o.packing).text(), o.packing.string(), o.timestep);
-  validate(d.packing.balls, o.packing.string());
-  d.packing.name = o.packing.stem().string();
-  return {std::move(d.packing), std::move(d.id), d.timestep};
+// The other code's list has the contacts across periodic boundaries, the reference cannot: it would be called wrong where it is
+// right.
+PackingFile read_judged_packing(const VerifyOptions& o) {
+  PackingFile file = read_packing_file(o.packing, o.timestep);
+  if (file.snapshots > 1 && !o.timestep)
+    throw InputError(
+        fmt::format("{}: {} snapshots; say which one the list is of: --timestep", o.packing.string(), file.snapshots));
+  if (const std::int64_t across = contacts_across(file.packing.balls, file.box, Boundary::periodic); across > 0)
+    throw InputError(
+        fmt::format("{}: the box is periodic in {} and {} contacts cross it; lists can be judged for open boxes only",
+                    o.packing.string(), file.box.axes(Boundary::periodic), across));
+  for (const std::string& note : notes_on(file, true)) fmt::print(stderr, "note: {}: {}\n", o.packing.string(), note);
+  return file;
 }
 
 struct TrueContacts {
@@ -100,7 +93,7 @@ Json examples_json(const Findings& f) {
   return list;
 }
 
-Json verdict_json(const VerifyOptions& o, const NamedPacking& p, const TrueContacts& truth, const ContactFile& file,
+Json verdict_json(const VerifyOptions& o, const PackingFile& p, const TrueContacts& truth, const ContactFile& file,
                   const Judgement& j) {
   Json out;
   out["schema"] = "touchstone-verify/1";
@@ -134,7 +127,7 @@ void print_findings(const char* name, const Findings& f) {
       fmt::print("{:<12}   {} {}  gap {:.3e} m{}\n", "", e.i, e.j, e.gap_m, e.borderline ? "  borderline" : "");
 }
 
-void print_report(const VerifyOptions& o, const NamedPacking& p, const TrueContacts& truth, const ContactFile& file,
+void print_report(const VerifyOptions& o, const PackingFile& p, const TrueContacts& truth, const ContactFile& file,
                   const Judgement& j) {
   fmt::print("packing      {}: {} balls, hash {}\n", o.packing.string(), p.packing.balls.size(),
              hex64(packing_hash(p.packing.balls)));
@@ -164,7 +157,7 @@ int verify(VerifyOptions& o) {
       choice_of<ListForm>(o.list, "--list", {{"auto", ListForm::automatic}, {"half", ListForm::half}, {"full", ListForm::full}});
   if (!(o.rule.tolerance_m >= 0) || o.rule.tolerance_m > 1e30)
     throw InputError(fmt::format("--tolerance {}: a length in m, zero or more", o.rule.tolerance_m));
-  const NamedPacking p = read_named_packing(o);
+  const PackingFile p = read_judged_packing(o);
   const BallNumbering numbering{static_cast<std::int32_t>(p.packing.balls.size()), o.base, p.id};
   const ContactFile file = read_contacts(o.contacts, o.file, numbering);
   if (p.timestep && file.timestep && *p.timestep != *file.timestep)
@@ -183,8 +176,7 @@ void add_verify_command(CLI::App& app, int& exit_code) {
   auto o = std::make_shared<VerifyOptions>();
   auto* command = app.add_subcommand("verify", "judge another code's contact list on a packing");
   command->footer(kFooter);
-  command->add_option("--packing", o->packing, "the packing: .balls, .xyz, .csv, or a LAMMPS dump of id x y z radius")
-      ->required();
+  command->add_option("--packing", o->packing, kPackingHelp)->required();
   command->add_option("--contacts", o->contacts, "the contact list")->required();
   command->add_option("--format", o->format, "auto, csv, pairs32, pairs64, lammps (dump local) or yade (id1 id2, blanks)")
       ->capture_default_str();
@@ -193,7 +185,7 @@ void add_verify_command(CLI::App& app, int& exit_code) {
   command->add_option("--columns", o->file.columns, "the two columns with ids, by name or number: id1,id2")
       ->delimiter(',')
       ->expected(1, 2);
-  command->add_option("--timestep", o->timestep, "which snapshot of a dump");
+  command->add_option("--timestep", o->timestep, "which snapshot of dumps that hold several");
   command->add_option("--list", o->list, "auto, half (each pair once) or full (both directions)")->capture_default_str();
   command->add_flag("--skip-others", o->file.skip_others, "leave out entries whose ids are no balls (walls)");
   command->add_option("--borderline", o->borderline, "which pairs rounding may decide: float32, float64 or exact")

@@ -144,14 +144,12 @@ void read_dump(std::string_view text, const std::string& where, const ContactFil
   const TwoColumns at = dump_columns(names, options, lines);
   file.columns = fmt::format("{} and {}", shown(names[at[0]]), shown(names[at[1]]));
   file.timestep = s.timestep;
-  file.periodic = s.periodic;
+  file.periodic = s.periodic();
   Entries entries(file, options, numbering);
   const auto fail = [&](const std::string& cause) { lines.fail(cause); };
   Columns columns;
-  std::string_view line;
   for (std::int64_t k = 0; k < s.count; ++k) {
-    if (!lines.next(line) || line.starts_with("ITEM:")) fail(fmt::format("{} of {} rows; the dump is cut off", k, s.count));
-    split(line, ' ', columns, lines);
+    split(next_row(lines, s, k), ' ', columns, lines);
     if (columns.size() != names.size()) fail(fmt::format("{} columns, {} expected", columns.size(), names.size()));
     const std::int64_t a = id_of(columns[at[0]], lines), b = id_of(columns[at[1]], lines);
     entries.add(a, b, fail);

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <stdexcept>
 
+#include "datasets/file_bytes.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
 
@@ -29,7 +32,7 @@ PackingFormat packing_format(std::string_view word) {
   if (word == "xyz") return PackingFormat::xyz;
   if (word == "csv") return PackingFormat::csv;
   if (word == "vtp") return PackingFormat::vtp;
-  throw InputError(fmt::format("\"{}\" is no packing format; known are balls, xyz, csv and vtp", word));
+  throw InputError(fmt::format("\"{}\" is no packing format to write; known are balls, xyz, csv and vtp", word));
 }
 
 PackingFormat packing_format(const std::filesystem::path& path) {
@@ -50,28 +53,90 @@ void write_packing(const std::filesystem::path& path, const Packing& packing, Pa
       return write_atomically(path, to_csv(packing.balls));
     case PackingFormat::vtp:
       return write_atomically(path, to_vtp(packing.balls));
+    case PackingFormat::lammps_dump:
+    case PackingFormat::lammps_data:
+      throw std::logic_error("write_packing: LAMMPS' formats are only read");
   }
 }
 
-Packing read_packing(const std::filesystem::path& path) {
-  const PackingFormat format = packing_format(path);
-  const std::string bytes = read_whole(path), where = path.string();
-  Packing packing{path.stem().string(), {}, 0};
-  switch (format) {
+namespace {
+
+// By the extension; where that says nothing (dump.bed, data.bed), by the first line.
+PackingFormat format_of(const std::filesystem::path& path, std::string_view text) {
+  const std::string extension = path.extension().string();
+  constexpr std::pair<std::string_view, PackingFormat> kKnown[] = {
+      {".balls", PackingFormat::balls},      {".xyz", PackingFormat::xyz},          {".csv", PackingFormat::csv},
+      {".vtp", PackingFormat::vtp},          {".dump", PackingFormat::lammps_dump}, {".lammpstrj", PackingFormat::lammps_dump},
+      {".data", PackingFormat::lammps_data}, {".lmp", PackingFormat::lammps_data}};
+  for (const auto& [known, format] : kKnown)
+    if (extension == known) return format;
+  const std::string_view first = text.substr(0, std::min(text.find('\n'), std::size_t{256}));
+  if (first.starts_with("ITEM:")) return PackingFormat::lammps_dump;
+  if (first.find("LAMMPS") != first.npos) return PackingFormat::lammps_data;
+  throw InputError(
+      fmt::format("{}: no packing format has the extension \"{}\"; .balls, .xyz, .csv, LAMMPS' .dump (or .lammpstrj) and .data "
+                  "(or .lmp) can be read, and any file that begins as LAMMPS' do",
+                  path.string(), extension));
+}
+
+}  // namespace
+
+PackingFile read_packing_file(const std::filesystem::path& path, std::optional<std::int64_t> timestep) {
+  const FileBytes bytes(path);
+  const std::string_view text = bytes.text();
+  const std::string where = path.string();
+  PackingFile file;
+  switch (format_of(path, text)) {
     case PackingFormat::balls:
-      packing.balls = parse_balls(bytes, where);
+      file.packing.balls = parse_balls(text, where);
       break;
     case PackingFormat::xyz:
-      packing.balls = parse_xyz(bytes, where);
+      file.packing.balls = parse_xyz(text, where);
       break;
     case PackingFormat::csv:
-      packing.balls = parse_csv(bytes, where);
+      file.packing.balls = parse_csv(text, where);
       break;
     case PackingFormat::vtp:
-      throw InputError(fmt::format("{}: .vtp files are only written; .xyz, .csv and .balls can be read", where));
+      throw InputError(fmt::format("{}: .vtp files are only written, not read; .xyz keeps all of it too", where));
+    case PackingFormat::lammps_dump:
+      file = parse_lammps_dump(text, where, timestep);
+      break;
+    case PackingFormat::lammps_data:
+      file = parse_lammps_data(text, where);
+      break;
   }
-  validate(packing.balls, where);
-  return packing;
+  if (timestep && file.timestep && *timestep != *file.timestep)
+    throw InputError(fmt::format("{}: is of timestep {}, not {}", where, *file.timestep, *timestep));
+  file.packing.name = path.stem().string();
+  validate(file.packing.balls, where);
+  return file;
+}
+
+std::vector<std::string> notes_on(const PackingFile& file, bool timestep_was_chosen) {
+  std::vector<std::string> notes;
+  if (file.snapshots > 1 && !timestep_was_chosen)
+    notes.push_back(
+        fmt::format("timestep {}, the last of {} snapshots; --timestep chooses another", *file.timestep, file.snapshots));
+  const std::int64_t across = contacts_across(file.packing.balls, file.box, Boundary::periodic);
+  if (across > 0)
+    notes.push_back(fmt::format("the box is periodic in {}: {} contacts across it are left out, as the box is taken as open",
+                                file.box.axes(Boundary::periodic), across));
+  const std::int64_t perhaps = contacts_across(file.packing.balls, file.box, Boundary::unknown);
+  if (perhaps > 0)
+    notes.push_back(
+        fmt::format("the file does not say whether the box is periodic in {}; it is taken as open, which leaves out {} contacts "
+                    "if it is",
+                    file.box.axes(Boundary::unknown), perhaps));
+  return notes;
+}
+
+Packing read_packing(const std::filesystem::path& path) {
+  PackingFile file = read_packing_file(path);
+  if (const std::int64_t across = contacts_across(file.packing.balls, file.box, Boundary::periodic); across > 0)
+    throw InputError(
+        fmt::format("{}: the box is periodic in {}; {} contacts across it would be lost, as only open boxes are known",
+                    path.string(), file.box.axes(Boundary::periodic), across));
+  return std::move(file.packing);
 }
 
 }  // namespace touchstone

@@ -1,25 +1,11 @@
 #include "datasets/lammps_dump.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace touchstone {
 namespace {
 
 constexpr std::string_view kItem = "ITEM: ";
-
-std::int64_t whole_number(std::string_view word, const char* what, const TextLines& lines) {
-  std::int64_t value = 0;
-  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (status != std::errc{} || end != word.data() + word.size() || word.empty())
-    lines.fail(fmt::format("{} is \"{}\", not an integer", what, shown(word)));
-  return value;
-}
-
-std::string_view trimmed(std::string_view line) {
-  while (!line.empty() && (line.back() == ' ' || line.back() == '\t')) line.remove_suffix(1);
-  return line;
-}
 
 std::string_view next_or_fail(TextLines& lines, const char* expected) {
   std::string_view line;
@@ -27,10 +13,33 @@ std::string_view next_or_fail(TextLines& lines, const char* expected) {
   return trimmed(line);
 }
 
+// "BOX BOUNDS pp pp ff", old dumps without the kinds; then a line an axis with two bounds. "xy xz yz" before the kinds adds a
+// tilt to each line; "abc origin" gives the box by its vectors instead.
+void read_box(std::string_view item, TextLines& lines, DumpSnapshot& s) {
+  std::vector<std::string_view> words;
+  split(item, ' ', words, lines);
+  std::vector<std::string_view> kinds;
+  for (const std::string_view word : words)
+    if (word.size() == 2 && word.find_first_not_of("pfsm") == word.npos) kinds.push_back(word);
+  const bool vectors = item.find("abc") != item.npos;
+  s.tilted = vectors;
+  for (int axis = 0; axis < 3; ++axis) {
+    s.box.boundary[axis] = kinds.size() != 3 ? Boundary::unknown : kinds[axis][0] == 'p' ? Boundary::periodic : Boundary::open;
+    split(next_or_fail(lines, "a line of box bounds"), ' ', words, lines);
+    if (vectors) continue;
+    if (words.size() != 2 && words.size() != 3) lines.fail(fmt::format("{} numbers, 2 box bounds expected", words.size()));
+    s.box.lower[axis] = number<double>(words[0], "a box bound", lines);
+    s.box.upper[axis] = number<double>(words[1], "a box bound", lines);
+    if (words.size() == 3) s.tilted |= number<double>(words[2], "a tilt", lines) != 0;
+    if (s.box.length(axis) < 0 || (s.box.boundary[axis] == Boundary::periodic && s.box.length(axis) == 0))
+      lines.fail("the lower box bound is not below the upper one");
+  }
+}
+
 // The header of one snapshot, whose first line is already read.
-DumpSnapshot read_header(std::string_view line, TextLines& lines) {
+DumpSnapshot read_header(std::string_view line, TextLines& lines, const std::string& units) {
   DumpSnapshot s;
-  std::string label;
+  s.units = units;
   bool has_timestep = false;
   while (true) {
     if (!line.starts_with(kItem)) lines.fail(fmt::format("\"{}\" where a line \"ITEM: …\" should be", shown(line)));
@@ -39,19 +48,18 @@ DumpSnapshot read_header(std::string_view line, TextLines& lines) {
       s.timestep = whole_number(next_or_fail(lines, "the timestep"), "timestep", lines);
       has_timestep = true;
     } else if (item.starts_with("NUMBER OF ")) {
-      label = item.substr(10);
+      s.label = item.substr(10);  // LAMMPS counts atoms under NUMBER OF ATOMS and lists them under the same word
       s.count = whole_number(next_or_fail(lines, "the number of rows"), "number of rows", lines);
       if (s.count < 0) lines.fail("a negative number of rows");
     } else if (item.starts_with("BOX BOUNDS")) {
-      s.periodic = item.find("pp") != item.npos;
-      for (int k = 0; k < 3; ++k) next_or_fail(lines, "a line of box bounds");
+      read_box(item.substr(10), lines, s);
     } else if (item == "UNITS") {
       s.units = next_or_fail(lines, "the units' name");
     } else if (item == "TIME") {
       next_or_fail(lines, "the time");
-    } else if (!label.empty() && item.starts_with(label)) {
+    } else if (!s.label.empty() && item.starts_with(s.label)) {
       std::vector<std::string_view> columns;
-      split(item.substr(label.size()), ' ', columns, lines);
+      split(item.substr(s.label.size()), ' ', columns, lines);
       s.columns.assign(columns.begin(), columns.end());
       break;
     } else {
@@ -60,36 +68,35 @@ DumpSnapshot read_header(std::string_view line, TextLines& lines) {
     line = next_or_fail(lines, "another line \"ITEM: …\"");
   }
   if (!has_timestep) lines.fail("no ITEM: TIMESTEP before the rows");
-  // LAMMPS counts atoms under NUMBER OF ATOMS and lists them under the same word.
-  s.label = label;
   return s;
-}
-
-double unit_of(const std::string& units, const TextLines& lines) {
-  if (units.empty() || units == "si") return 1;
-  if (units == "cgs") return 0.01;
-  lines.fail(fmt::format("units {}; a packing must be in si or cgs units", shown(units)));
-}
-
-std::size_t column(const std::vector<std::string>& columns, std::initializer_list<std::string_view> names,
-                   const TextLines& lines) {
-  for (const std::string_view name : names)
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      if (columns[c] == name) return c;
-  lines.fail(fmt::format("no column {}; a packing's dump has id, x, y, z and radius", *names.begin()));
 }
 
 }  // namespace
 
-DumpSnapshot open_snapshot(TextLines& lines, std::optional<std::int64_t> timestep) {
-  std::string seen;
+std::optional<DumpSnapshot> next_snapshot(TextLines& lines, const std::string& units) {
   std::string_view line;
-  while (lines.next(line)) {
-    if (trimmed(line).empty()) continue;
-    DumpSnapshot s = read_header(trimmed(line), lines);
-    if (!timestep || s.timestep == *timestep) return s;
-    seen += (seen.empty() ? "" : ", ") + std::to_string(s.timestep);
-    for (std::int64_t k = 0; k < s.count; ++k) next_or_fail(lines, "another row");
+  while (lines.next(line))
+    if (!trimmed(line).empty()) {
+      if (!line.starts_with(kItem)) lines.fail(fmt::format("\"{}\" where a line \"ITEM: …\" should be", shown(line)));
+      return read_header(trimmed(line), lines, units);
+    }
+  return {};
+}
+
+std::string_view next_row(TextLines& lines, const DumpSnapshot& snapshot, std::int64_t k) {
+  std::string_view line;
+  if (!lines.next(line) || line.starts_with(kItem))
+    lines.fail(fmt::format("{} of {} rows; the dump is cut off", k, snapshot.count));
+  return trimmed(line);
+}
+
+DumpSnapshot open_snapshot(TextLines& lines, std::optional<std::int64_t> timestep) {
+  std::string seen, units;
+  while (std::optional<DumpSnapshot> s = next_snapshot(lines, units)) {
+    units = s->units;
+    if (!timestep || s->timestep == *timestep) return *std::move(s);
+    seen += (seen.empty() ? "" : ", ") + std::to_string(s->timestep);
+    for (std::int64_t k = 0; k < s->count; ++k) next_row(lines, *s, k);
   }
   lines.fail(timestep ? fmt::format("no timestep {}; the file holds {}", *timestep, seen.empty() ? "none" : shown(seen))
                       : "no snapshot in the file");
@@ -103,37 +110,6 @@ void close_snapshot(TextLines& lines, std::optional<std::int64_t> timestep) {
     if (!timestep) lines.fail("a second snapshot; say which one is meant: --timestep");
     return;
   }
-}
-
-DumpedPacking parse_lammps_atoms(std::string_view text, const std::string& where, std::optional<std::int64_t> timestep) {
-  TextLines lines(text, where);
-  const DumpSnapshot s = open_snapshot(lines, timestep);
-  if (s.label != "ATOMS") lines.fail(fmt::format("a dump of {}, not of ATOMS: no packing", shown(s.label)));
-  if (std::find(s.columns.begin(), s.columns.end(), "xs") != s.columns.end()) lines.fail("scaled coordinates (xs); dump x y z");
-  const bool diameter = std::find(s.columns.begin(), s.columns.end(), "radius") == s.columns.end();
-  const double unit = unit_of(s.units, lines);
-  const std::size_t id_at = column(s.columns, {"id"}, lines);
-  const ColumnPlaces at{{column(s.columns, {"x", "xu"}, lines), column(s.columns, {"y", "yu"}, lines),
-                        column(s.columns, {"z", "zu"}, lines), column(s.columns, {"radius", "diameter"}, lines)},
-                       {unit, unit, unit, diameter ? 0.5 * unit : unit}};
-  std::vector<std::pair<std::int64_t, Ball>> rows;
-  std::vector<std::string_view> columns;
-  for (std::int64_t k = 0; k < s.count; ++k) {
-    split(next_or_fail(lines, "another atom"), ' ', columns, lines);
-    const Ball ball = ball_of(columns, at, s.columns.size(), lines);
-    rows.emplace_back(whole_number(columns[id_at], "id", lines), ball);
-  }
-  close_snapshot(lines, timestep);
-  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  DumpedPacking d;
-  d.timestep = s.timestep;
-  for (const auto& [id, ball] : rows) {
-    if (!d.id.empty() && d.id.back() == id) throw InputError(fmt::format("{}: two atoms with id {}", where, id));
-    d.id.push_back(id);
-    d.packing.balls.push_back(ball);
-  }
-  if (rows.empty()) throw InputError(fmt::format("{}: no atoms", where));
-  return d;
 }
 
 }  // namespace touchstone

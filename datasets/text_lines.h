@@ -68,22 +68,46 @@ inline void split(std::string_view line, char separator, std::vector<std::string
   }
 }
 
-// A float32 in metres from a word and its unit (metres a unit).
-inline float length(std::string_view word, double unit, const char* what, const TextLines& lines) {
+// The line without the blanks at its end.
+inline std::string_view trimmed(std::string_view line) {
+  while (!line.empty() && (line.back() == ' ' || line.back() == '\t')) line.remove_suffix(1);
+  return line;
+}
+
+inline std::int64_t whole_number(std::string_view word, const char* what, const TextLines& lines) {
+  std::int64_t value = 0;
+  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (status != std::errc{} || end != word.data() + word.size() || word.empty())
+    lines.fail(fmt::format("{} is \"{}\", not an integer", what, shown(word)));
+  return value;
+}
+
+// A finite float or double.
+template <class Float>
+Float number(std::string_view word, const char* what, const TextLines& lines) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
-  const auto parse = [&](auto value) {
-    const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (status == std::errc::result_out_of_range)
-      lines.fail(fmt::format("{} is {}, beyond the range of a float32 number", what, shown(word)));
-    if (status != std::errc{} || end != digits.data() + digits.size())
-      lines.fail(fmt::format("{} is \"{}\", not a number", what, shown(word)));
-    return value;
-  };
-  // Metres are read as float32 at once: rounding through float64 first could round twice.
-  const float value = unit == 1 ? parse(float{}) : static_cast<float>(parse(double{}) * unit);
+  Float value{};
+  const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (status == std::errc::result_out_of_range)
+    lines.fail(fmt::format("{} is {}, beyond the range of a float{} number", what, shown(word), 8 * sizeof(Float)));
+  if (status != std::errc{} || end != digits.data() + digits.size())
+    lines.fail(fmt::format("{} is \"{}\", not a number", what, shown(word)));
   if (!std::isfinite(value)) lines.fail(fmt::format("{} is {}; it must be finite", what, shown(word)));
   return value;
+}
+
+// `metres` as a packing holds it; `word` is where it comes from.
+inline float rounded(double metres, std::string_view word, const char* what, const TextLines& lines) {
+  const float value = static_cast<float>(metres);
+  if (!std::isfinite(value)) lines.fail(fmt::format("{} is {}, beyond the range of a float32 number", what, shown(word)));
+  return value;
+}
+
+// A float32 in metres from a word and its unit (metres a unit).
+inline float length(std::string_view word, double unit, const char* what, const TextLines& lines) {
+  // Metres are read as float32 at once: rounding through float64 first could round twice.
+  return unit == 1 ? number<float>(word, what, lines) : rounded(number<double>(word, what, lines) * unit, word, what, lines);
 }
 
 // Where in a line the four numbers stand, and their units.
@@ -92,13 +116,17 @@ struct ColumnPlaces {
   double unit[4] = {1, 1, 1, 1};
 };
 
+inline void require_radius(float radius, std::string_view word, const TextLines& lines) {
+  if (!(radius > 0)) lines.fail(fmt::format("radius is {}; it must be above zero", shown(word)));
+}
+
 inline Ball ball_of(const std::vector<std::string_view>& columns, const ColumnPlaces& where, std::size_t expected,
                     const TextLines& lines) {
   if (columns.size() != expected) lines.fail(fmt::format("{} columns, {} expected", columns.size(), expected));
   constexpr const char* kNames[4] = {"x", "y", "z", "radius"};
   float value[4];
   for (int k = 0; k < 4; ++k) value[k] = length(columns[where.at[k]], where.unit[k], kNames[k], lines);
-  if (!(value[3] > 0)) lines.fail(fmt::format("radius is {}; it must be above zero", shown(columns[where.at[3]])));
+  require_radius(value[3], columns[where.at[3]], lines);
   return {value[0], value[1], value[2], value[3]};
 }
 

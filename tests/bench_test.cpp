@@ -10,10 +10,11 @@
 #include "bench/expected.h"
 #include "bench/machine.h"
 #include "bench/order.h"
+#include "bench/provision.h"
 #include "bench/reporter.h"
 #include "bench/study.h"
-#include "datasets/loose.h"
 #include "bench/tuner.h"
+#include "datasets/loose.h"
 #include "tests/results_schema.h"
 #include "tests/run_program.h"
 #include "touchstone/error.h"
@@ -234,6 +235,29 @@ TEST(Detectors, AGpuDetectorIsKnownWhereItCannotRun) {
   for (const DetectorInfo* info : all_detectors()) EXPECT_NE(info->make, nullptr) << info->label();
 }
 
+TEST(Needs, EachPackingAndEachTuningIsCountedOnce) {
+  const TemporaryFolder folder;
+  Case paper = serial_case(), best = serial_case(), rows = serial_case();
+  paper.detector = best.detector = rows.detector = &find_detector("serial_multi_cell");
+  paper.packing.n = best.packing.n = rows.packing.n = 2969;
+  paper.protocol = Protocol::paper;
+  best.output = OutputForm::pairs;
+  rows.output = OutputForm::ball_lists;
+  const std::vector<Case> cases{paper, best, best, rows};
+  const PackingSpec on = tuning_spec(best.packing, Profile::fast, 0);
+  Needs needs = needs_of(cases, folder.path(), Profile::fast, 0);
+  ASSERT_EQ(needs.packings.size(), 2u);
+  EXPECT_EQ(name_of(needs.packings[0].spec), name_of(best.packing));
+  EXPECT_EQ(name_of(needs.packings[1].spec), name_of(on));
+  EXPECT_EQ(needs.tunings, 2);  // of each form of output
+  EXPECT_DOUBLE_EQ(needs.packing_seconds(), estimated_packing_seconds(best.packing) + estimated_packing_seconds(on));
+  testing::write_text(folder.path() / (name_of(best.packing) + ".balls"), "");
+  needs = needs_of(cases, folder.path(), Profile::fast, 0);
+  EXPECT_TRUE(needs.packings[0].made);
+  EXPECT_DOUBLE_EQ(needs.packing_seconds(), estimated_packing_seconds(on));
+  EXPECT_EQ(needs_of({paper}, folder.path(), Profile::fast, 0).tunings, 0);
+}
+
 // The tree whose results/expected.json is read; what was set before comes back.
 class SourceTree {
  public:
@@ -263,6 +287,12 @@ TEST(Expected, APackingOfAnotherHashIsNamed) {
   EXPECT_THAT(expected_objection("chain", 255), HasSubstr("cannot be compared"));
   testing::write_text(folder.path() / "results/expected.json", "{");
   EXPECT_THAT(expected_objection("chain", 255), HasSubstr("cannot be compared"));
+  testing::write_text(folder.path() / "results/expected.json", "[]");
+  EXPECT_THAT(expected_objection("chain", 255), HasSubstr("no object `packings`"));
+  testing::write_text(
+      folder.path() / "results/expected.json",
+      R"({"packings": {"chain": {"packing_hash": "00000000000000fe"}, "chain": {"packing_hash": "00000000000000ff"}}})");
+  EXPECT_THAT(expected_objection("chain", 255), HasSubstr("key \"chain\" for the second time"));
 }
 
 TEST(Case, PaperRuleAndBestChooseTheCell) {

@@ -6,8 +6,8 @@
 
 #include <functional>
 
-#include "datasets/lammps_dump.h"
 #include "tests/run_program.h"
+#include "touchstone/error.h"
 
 namespace touchstone {
 namespace {
@@ -186,44 +186,13 @@ TEST_F(ContactFiles, APipeIsRead) {
   EXPECT_THAT(read_contacts(pipe, {}, numbering_).entries, ElementsAre(Pair{0, 4}));
 }
 
-const std::string kAtoms =
-    "ITEM: TIMESTEP\n5\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
-    "ITEM: ATOMS radius id type x y z\n0.1 30 1 1 2 3\n0.2 4 1 4 5 6\n0.3 7 2 7 8 9\n";
-
-TEST(LammpsAtoms, BallsAreSortedById) {
-  const DumpedPacking d = parse_lammps_atoms(kAtoms, "a.dump", {});
-  EXPECT_THAT(d.id, ElementsAre(4, 7, 30));
-  EXPECT_EQ(d.packing.balls[0].r, 0.2f);
-  EXPECT_EQ(d.packing.balls[2].z, 3.0f);
-  EXPECT_EQ(d.timestep, 5);
-}
-
-TEST(LammpsAtoms, DiametersAndCentimetres) {
-  std::string text = "ITEM: UNITS\ncgs\n" + kAtoms;
-  text.replace(text.find("radius"), 6, "diameter");
-  const Ball b = parse_lammps_atoms(text, "a.dump", {}).packing.balls[0];
-  EXPECT_FLOAT_EQ(b.r, 0.001f);
-  EXPECT_FLOAT_EQ(b.x, 0.04f);
-}
-
-TEST(LammpsAtoms, RefusesWhatIsNoPacking) {
-  const auto error = [](const std::string& what, const std::string& with) {
-    std::string text = kAtoms;
-    text.replace(text.find(what), what.size(), with);
-    try {
-      parse_lammps_atoms(text, "a.dump", {});
-      return std::string();
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-  };
-  EXPECT_THAT(error("radius", "mass"), HasSubstr("no column radius"));
-  EXPECT_THAT(error("x y z", "xs ys zs"), HasSubstr("scaled coordinates"));
-  EXPECT_THAT(error("0.2 4", "0.2 7"), HasSubstr("two atoms with id 7"));
-  EXPECT_THAT(error("0.2 4", "nan 4"), HasSubstr("radius is nan; it must be finite"));
-  EXPECT_THAT(error("0.2 4", "0 4"), HasSubstr("it must be above zero"));
-  EXPECT_THAT(error("ATOMS\n3", "ATOMS\n4"), HasSubstr("the file ends here; another atom should follow"));
-  EXPECT_THAT(error("TIMESTEP\n5\n", "UNITS\nlj\nITEM: TIMESTEP\n5\n"), HasSubstr("units lj"));
+TEST_F(ContactFiles, ACutOffSnapshotIsNotReadAsAnother) {
+  std::string two = kDump + kDump;
+  two.replace(two.find("ENTRIES\n2"), 9, "ENTRIES\n3");  // the first one's third row is the second one's header
+  ContactFileOptions o;
+  o.timestep = 2000;
+  two.replace(two.rfind("1000"), 4, "2000");
+  EXPECT_THAT(error("pairs.dump", two, o), HasSubstr("line 12: 2 of 3 rows; the dump is cut off"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::filesystem::path kScripts = std::filesystem::path(TOUCHSTONE_SOURCE_DIR) / "scripts";
+const std::filesystem::path kSource = TOUCHSTONE_SOURCE_DIR, kScripts = kSource / "scripts";
 
 void write_script(const std::filesystem::path& path, const std::string& body) {
   write_text(path, "#!/bin/sh\n" + body);
@@ -93,18 +93,24 @@ class Mutants : public ::testing::Test {
     std::filesystem::copy(kScripts / "mutants.sh", tree() / "scripts/mutants.sh");
     write_text(tree() / "kernels/k.cu", "good\n");
     write_script(folder_.path() / "bin/cmake", "mkdir -p \"$4\"; : >\"$4/build.ninja\"\n");
-    write_script(folder_.path() / "bin/ninja",
-                 "mkdir -p \"$2/tests\"; cp " + (folder_.path() / "suite").string() + " \"$2/tests/detectors_test\"\n");
-    write_script(folder_.path() / "suite", "case $(cat " + (folder_.path() / "work/tree/kernels/k.cu").string() +
-                                               ") in\n"
-                                               "good|harmless) echo '[  PASSED  ] 3 tests.' ;;\n"
-                                               "empty) echo '[  PASSED  ] 0 tests.' ;;\n"
-                                               "racy) echo 'WARNING: ThreadSanitizer: data race (pid=1)'; exit 66 ;;\n"
-                                               "wrong) printf 'k.cpp:1: Failure\\n7 missing (first 1-2), 0 extra\\n'; exit 1 ;;\n"
-                                               "slow) exit 124 ;;\n"
-                                               "absent) exit 127 ;;\n"
-                                               "silent) exit 1 ;;\n"
-                                               "esac\n");
+    // Builds, like the real one, only what is younger than its object; the suite is what was built.
+    write_script(folder_.path() / "bin/ninja", "mkdir -p \"$2/tests\"; cp " + (folder_.path() / "suite").string() +
+                                                   " \"$2/tests/detectors_test\"\n"
+                                                   "k=" +
+                                                   (folder_.path() / "work/tree/kernels/k.cu").string() +
+                                                   "; [ \"$2/tests/k.o\" -nt \"$k\" ] || cp \"$k\" \"$2/tests/k.o\"\n");
+    write_script(folder_.path() / "suite",
+                 "case $(cat \"$(dirname \"$0\")/k.o\") in\n"
+                 "good|harmless) echo '[  PASSED  ] 3 tests.' ;;\n"
+                 "empty) echo '[  PASSED  ] 0 tests.' ;;\n"
+                 "racy) echo 'WARNING: ThreadSanitizer: data race (pid=1)'; exit 66 ;;\n"
+                 "wrong) printf 'k.cpp:1: Failure\\n7 missing (first 1-2), 0 extra\\n'; exit 1 ;;\n"
+                 "astray) echo 'SUMMARY: ThreadSanitizer: SEGV ../tree/kernels/k.cu:9 in k_kernel'; exit 66 ;;\n"
+                 "crash) echo 'SUMMARY: ThreadSanitizer: SEGV ../tree/kernels/emulated/b.cpp:9 in f'; exit 66 ;;\n"
+                 "slow) exit 124 ;;\n"
+                 "absent) exit 127 ;;\n"
+                 "silent) exit 1 ;;\n"
+                 "esac\n");
   }
   std::filesystem::path tree() const { return folder_.path() / "tree"; }
   // The script's verdict on a mutant that writes `word` into the kernel.
@@ -124,12 +130,23 @@ TEST_F(Mutants, AreCaughtWithAReason) {
   EXPECT_THAT(racy.out, HasSubstr("caught: data race"));
   EXPECT_EQ(wrong.code, 0) << wrong.err;
   EXPECT_THAT(wrong.out, HasSubstr("caught: 7 missing"));
+  EXPECT_THAT(judge("astray").out, HasSubstr("caught: SEGV ../tree/kernels/k.cu:9"));
+}
+
+// Else what was built from a mutant would be taken for the original.
+TEST_F(Mutants, TheNextRunBuildsTheOriginalAgain) {
+  judge("racy");
+  EXPECT_EQ(file_text(folder_.path() / "work/tree/kernels/k.cu"), "good\n");
+  EXPECT_THAT(judge("racy").out, HasSubstr("caught: data race"));
+  write_text(folder_.path() / "work/tree/kernels/k.cu", "left behind by an interrupted run\n");
+  EXPECT_THAT(judge("wrong").out, HasSubstr("caught: 7 missing"));
 }
 
 TEST_F(Mutants, AFailureThatProvesNothingIsNoCatch) {
   for (const auto& [word, says] : {std::pair{"harmless", "MISSED"},
                                    {"slow", "NOT JUDGED: the suite took"},
                                    {"absent", "NOT JUDGED: the suite did not start"},
+                                   {"crash", "NOT JUDGED: exit code 66 without a reason"},
                                    {"silent", "NOT JUDGED: exit code 1 without a reason"}}) {
     const Outcome o = judge(word);
     EXPECT_EQ(o.code, 1) << word;
@@ -146,6 +163,21 @@ TEST_F(Mutants, NothingIsJudgedBySuitesThatFailAnyway) {
     EXPECT_THAT(o.err, HasSubstr("does not pass unchanged"));
     EXPECT_THAT(o.out, Not(HasSubstr("caught")));
   }
+}
+
+// A kernel that was rewritten must not leave a mutant behind that changes nothing.
+TEST(MutantsOfTheTree, EachStillChangesItsFile) {
+  int mutants = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kSource / "tests/mutants")) {
+    const std::string text = file_text(entry.path()), field = "# file: ";
+    const std::size_t at = text.find(field) + field.size();
+    const std::filesystem::path kernel = kSource / text.substr(at, text.find('\n', at) - at);
+    const Outcome mutated = run_program("sed -f " + entry.path().string() + " " + kernel.string());
+    EXPECT_EQ(mutated.code, 0) << mutated.err;
+    EXPECT_NE(mutated.out, file_text(kernel)) << entry.path().filename();
+    ++mutants;
+  }
+  EXPECT_GE(mutants, 18);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "bench/expected.h"
+#include "bench/strict_json.h"
 #include "tests/run_program.h"
 #include "touchstone/error.h"
 
@@ -22,11 +24,11 @@ const std::filesystem::path kSource = TOUCHSTONE_SOURCE_DIR;
 const char* const kFolder = "nvidia-h100-80gb-hbm3";
 
 const json& expected() {
-  static const json file = read_expected(kSource / "results/expected.json");
+  static const json file = read_expected(kSource / "results");
   return file;
 }
 const json& committed() {
-  static const json file = parse_results(file_text(kSource / "results" / kFolder / "table2.json"), "table2.json");
+  static const json file = parse_strict_json(file_text(kSource / "results" / kFolder / "table2.json"), "table2.json");
   return file;
 }
 
@@ -261,13 +263,14 @@ TEST_F(SubmitCommand, SaysOnOneLineEachWhatIsWrong) {
   } wrong[] = {
       {"nvidia-h200/table2.json", good, "folder: is 'nvidia-h200'; must be 'nvidia-h100-80gb-hbm3'"},
       {std::string(kFolder) + "/figure6.json", good, "study is \"table2\"; the file is figure6.json"},
-      {std::string(kFolder) + "/table2.json", good.substr(0, good.size() / 2), "no JSON"},
-      {std::string(kFolder) + "/table2.json", with("\"dirty\":false", "\"dirty\":false,\"dirty\":false"), "key \"dirty\" twice"},
-      {std::string(kFolder) + "/table2.json", with("\"sms\":132", "\"sms\":NaN"), "no JSON"},
+      {std::string(kFolder) + "/table2.json", good.substr(0, good.size() / 2), "table2.json: byte "},
+      {std::string(kFolder) + "/table2.json", with("\"dirty\":false", "\"dirty\":false,\"dirty\":false"),
+       "key \"dirty\" for the second time in its object"},
+      {std::string(kFolder) + "/table2.json", with("\"sms\":132", "\"sms\":NaN"), "invalid literal"},
       {std::string(kFolder) + "/table2.json", with("\"sms\":132", "\"sms\":0"),
        "device: sms is 0; must be a whole number from 1"},
       {std::string(kFolder) + "/table2.json", "[]", "no context.touchstone"},
-      {std::string(kFolder) + "/table2.json", "", "no JSON"},
+      {std::string(kFolder) + "/table2.json", "", "unexpected end of input"},
   };
   for (const auto& w : wrong) {
     write_text(folder_.path() / w.file, w.text);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "bench/expected.h"
 #include "bench/strict_json.h"
 #include "datasets/files.h"
 #include "touchstone/error.h"
@@ -121,11 +122,10 @@ std::map<std::string, PrintedTable> read_printed(const fs::path& folder) {
   return tables;
 }
 
-std::vector<Fields> read_packings(const fs::path& path) {
+std::vector<Fields> read_packings(const fs::path& results) {
   std::vector<Fields> rows;
-  if (!fs::exists(path)) return rows;
-  const json expected = read_json(path);
-  const json packings = expected.value("packings", json::object());
+  if (!fs::exists(results / "expected.json")) return rows;
+  const json packings = read_expected(results);
   for (const auto& [name, facts] : packings.items()) {
     Fields row = facts;
     row["packing"] = name;
@@ -147,7 +147,7 @@ ResultsIndex read_results(const fs::path& results, const fs::path& local) {
   index.printed = read_printed(results / "paper");
   read_devices(results, false, runs, index.devices);
   if (!local.empty()) read_devices(local, true, runs, index.devices);
-  index.packings = read_packings(results / "expected.json");
+  index.packings = read_packings(results);
   return index;
 }
 

@@ -7,9 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "bench/expected.h"
 #include "bench/report/marks.h"
-#include "datasets/files.h"
-#include "touchstone/error.h"
 
 namespace touchstone::report {
 namespace {
@@ -82,13 +81,8 @@ Table table1(const std::filesystem::path& results) {
           {},
           {}};
   t.header = {"cell factor", "rmin", "rmax", "ravg (published)", "ravg (here)"};
-  const std::filesystem::path path = results / "expected.json";
-  nlohmann::json expected = nlohmann::json::object();
-  if (std::filesystem::exists(path)) {
-    expected = nlohmann::json::parse(read_whole(path), nullptr, false);
-    if (expected.is_discarded()) throw InputError(path.string() + ": no JSON");
-  }
-  if (expected.contains("packings")) expected = nlohmann::json(expected["packings"]);
+  const bool there = std::filesystem::exists(results / "expected.json");
+  const nlohmann::json expected = there ? read_expected(results) : nlohmann::json::object();
   for (std::vector<std::string> row : read_published(results, "table1").table) {
     const std::string name = fmt::format("c{}_n50000", row[0]);
     const auto at = expected.find(name);

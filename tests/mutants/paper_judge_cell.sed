@@ -2,4 +2,4 @@
 # file: kernels/multi_cell_paper.cu
 # build: address
 # detector: multi_cell_bucket_paper
-s/if (is_judge_cell(.*) &&/if (/
+s/kAblation == Ablation::judge_off ||/true ||/
