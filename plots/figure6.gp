@@ -9,6 +9,7 @@ array filled[6] = [5, 7, 9, 11, 13, 15]
 array size[6] = [0.55, 0.65, 0.7, 0.7, 0.8, 0.75]
 look(i) = i <= words(looks) ? int(word(looks, i)) : 1  # gnuplot evaluates even an empty iteration once
 
+set terminal svg size 480,500 font "DejaVu Sans,14" background "white" dashed noenhanced  # taller: floors lie decades below
 set title panel_title font small
 set xlabel "cell size (cm)" offset 0,0.3
 set ylabel "time for contact detection (ms)" offset 1.4,0
@@ -17,9 +18,9 @@ set logscale y
 set format y "%g"
 set lmargin at screen 0.165
 set rmargin at screen 0.975
-set tmargin at screen 0.915
-set bmargin at screen 0.31
-set key at screen 0.57, screen 0.148 center top horizontal Left reverse maxrows 2 samplen 2
+set tmargin at screen 0.93
+set bmargin at screen 0.265
+set key at screen 0.57, screen 0.127 center top horizontal Left reverse maxrows 2 samplen 2
 
 stats data index 0:(curves-1) using 4 nooutput
 high = STATS_max * 1.6
@@ -67,7 +68,7 @@ if (bytes_floor == bytes_floor && bytes_floor < least) {
 # Best cell and its band, one row a curve.
 row(i) = low * (high / low)**(0.022 + 0.03 * (curves - i))
 set label 8 (blocks > curves + 1 ? "best cell,\nand band;\n+ theory" : "best cell,\nand band") at graph 0.015, graph 0.5 * strip left offset 0,(blocks > curves + 1 ? 0.85 : 0.4) font small textcolor rgb "#555555" front
-if (shaded) set label 9 "shaded, open markers: out of the paper's reach; stronger: for every curve" at screen 0.5, screen 0.022 center font small textcolor rgb "#555555"
+if (shaded) set label 9 "shaded, open markers: out of the paper's reach; stronger: for every curve" at screen 0.5, screen 0.019 center font small textcolor rgb "#555555"
 
 theory_lines = ""
 theory_cells = ""

@@ -159,30 +159,30 @@ Table generations_table(const Published& published, const std::vector<Card>& car
       }
       t.rows.push_back(std::move(cells));
     };
-    std::vector<std::string> times{name, "ms"}, which{name, "detector"};
-    bool one_method = true;
+    std::vector<std::string> times{name, "ms"};
+    std::map<std::string, std::string> which;  // detector -> sizes
     for (const std::int64_t n : sizes) {
       const auto at = l.rows.find(n);
       const Row* r = at == l.rows.end() ? nullptr : at->second;
       times.push_back(!r ? "not measured" : r->printed.empty() ? three_digits(1e-3 * r->median_us) + r->marks : r->printed);
-      which.push_back(r ? r->detector : "–");
-      one_method = one_method && (!r || r->detector == "multi_cell_bucket/paper");
+      if (r && r->protocol == "best") which[r->detector] += (which[r->detector].empty() ? "" : "; ") + with_commas(n);
     }
     t.rows.push_back(std::move(times));
-    if (!one_method) t.rows.push_back(std::move(which));
+    for (const auto& [detector, at] : which) t.notes.push_back(fmt::format("{}: {} at {}.", l.name, detector, at));
     add("time x bandwidth, kB a ball", l.gb_per_s);
     add("time x FP32, kFLOP a ball", l.gflops);
   }
-  t.notes = {
-      kMethod,
-      "Time x bandwidth: what the card's memory could have moved meanwhile; time x FP32: what its cores could have computed. "
-      "Less is a better use of the card. Bandwidth of measured cards: their records'."};
+  t.notes.insert(
+      t.notes.begin(),
+      {kMethod,
+       "Time x bandwidth: what the card's memory could have moved meanwhile; time x FP32: what its cores could have computed. "
+       "Less is a better use of the card. Bandwidth of measured cards: their records'."});
   for (const std::string& note : notes_for(t.rows)) t.notes.push_back(note);
   return t;
 }
 
 Figure generations_figure(const Published& published, const std::vector<Card>& cards, const std::vector<Device>& devices) {
-  Figure f{"generations", "", {}, {}};
+  Figure f{"generations_figure", "", {}, {}};
   std::vector<Line> lines = lines_of(published, cards, devices);
   if (lines.empty() || published.rows.empty()) return f;
   const std::int64_t n =

@@ -62,7 +62,7 @@ Section sizes(const Library& l) {
 }
 
 Section generations(const Library& l) {
-  Section s{"generations", "GPUs of 2012 and of today", {}, {}, {}};
+  Section s{"cards_compared", "GPUs of 2012 and of today", {}, {}, {}};
   const std::vector<Card> cards = read_cards(l.results());
   const std::vector<Device>& devices = l.of("table2");
   if (cards.empty()) {

@@ -160,7 +160,8 @@ Figure equations_figure(const Device& device) {
 Table equations_table(const Device& device) {
   Table t{fmt::format("residuals_{}", id_of(device)),
           fmt::format("Best cell = k x length on {}: which length fits", device.label),
-          {"detector", "length", "packings", "k", "95 % interval of k", "paper's k", "paper's k inside", "residual", "least"},
+          {"detector", "length", "packings", "k", "95 % interval of k", "paper's k", "paper's k inside", "residual",
+           "times the least"},
           {},
           {}};
   t.text_columns = 2;
@@ -177,9 +178,8 @@ Table equations_table(const Device& device) {
       const bool papers = k == kRavg, inside = fit->factor.low <= law.papers_factor && law.papers_factor <= fit->factor.high;
       t.rows.push_back({law.title, kLengths[k].name, std::to_string(law.packings.size()), number_text(fit->factor.value),
                         bounds(fit->factor), papers ? number_text(law.papers_factor) : "–",
-                        papers ? (inside ? "yes" : "no") : "–", fmt::format("{:.3f}", fit->residual), best == k ? "least" : ""});
-      if (t.rows.back().back().empty())
-        t.rows.back().back() = fmt::format("{:.2f} of the least", fit->residual / law.fits[*best]->residual);
+                        papers ? (inside ? "yes" : "no") : "–", fmt::format("{:.3f}", fit->residual),
+                        best == k ? "1, the least" : fmt::format("{:.2f}", fit->residual / law.fits[*best]->residual)});
     }
     if (best)
       t.notes.push_back(fmt::format("{}: {} explains the best cell {}; the paper says ravg.", law.title, kLengths[*best].name,

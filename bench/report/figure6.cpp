@@ -128,7 +128,7 @@ std::vector<Block> theory_blocks(const Facet& f) {
     if (!fitted || (k > 0 && k + 1 < f.curves.size())) continue;  // six dashed lines more would hide the measured ones
     const Row& first = *f.curves[k].points.front();
     Block b{"theory, " + label_of(first), look_of(first, k), {}};
-    for (const auto& [cell_cm, ms] : line.points) b.rows.push_back({number(cell_cm), number(ms)});
+    for (const auto& [cell_cm, ms] : drawn(line, f.curves[k])) b.rows.push_back({number(cell_cm), number(ms)});
     blocks.push_back(std::move(b));
   }
   if (blocks.size() == 1) blocks.clear();
@@ -203,12 +203,13 @@ void add_notes(Figure& f, const std::vector<Facet>& shown, const Device& device,
           "{}: {} of {} points carry a flag (noise, few samples); their marks stand in the table of cases.", s.title, with, all));
     if (paper.gpu && is_the_papers_method(s) && !envelope_of(s).known)
       f.notes.push_back(s.title + ": not every record carries `cells` and `fullest_cell`; points without them are not shaded.");
+    std::string open;
     for (const Curve& c : s.curves) {
       const Optimum o = optimum(c.points);
       if (c.points.size() > 1 && (o.low == 0 || o.high + 1 == c.points.size()))
-        f.notes.push_back(
-            fmt::format("{}, {}: the optimum is not bracketed by the sweep.", s.title, label_of(*c.points.front())));
+        open += (open.empty() ? "" : "; ") + label_of(*c.points.front());
     }
+    if (!open.empty()) f.notes.push_back(fmt::format("{}: the optimum is not bracketed by the sweep at {}.", s.title, open));
   }
 }
 

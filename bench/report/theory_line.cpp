@@ -68,15 +68,21 @@ TheoryLine theory_line(const Curve& curve) {
       line.residual += std::pow(fitted_ms(bed, cost, r->cell_cm, r->n) / (1e-3 * r->median_us) - 1, 2);
     line.residual = std::sqrt(line.residual / static_cast<double>(curve.points.size()));
     line.best_cell_cm = 100 * theory::best_cell(bed, cost);
-    const double from = curve.points.front()->cell_cm, to = curve.points.back()->cell_cm;
-    for (int k = 0; k <= kDrawnPoints; ++k) {
-      const double cell = from * std::pow(to / from, static_cast<double>(k) / kDrawnPoints);
-      line.points.emplace_back(cell, fitted_ms(bed, cost, cell, first.n));
-    }
+    line.bed = bed;
   } catch (const InputError& e) {
     return line.why_not = e.what(), line;
   }
   return line;
+}
+
+std::vector<std::pair<double, double>> drawn(const TheoryLine& line, const Curve& curve) {
+  std::vector<std::pair<double, double>> points;
+  const double from = curve.points.front()->cell_cm, to = curve.points.back()->cell_cm;
+  for (int k = 0; k <= kDrawnPoints; ++k) {
+    const double cell = from * std::pow(to / from, static_cast<double>(k) / kDrawnPoints);
+    points.emplace_back(cell, fitted_ms(line.bed, {line.entry_ns, line.meeting_ns}, cell, curve.points.front()->n));
+  }
+  return points;
 }
 
 Floors floors_of(const Device& device, const Facet& facet) {

@@ -14,13 +14,16 @@ namespace touchstone::report {
 
 // time a ball = entry * entries + meeting * meetings, fitted to the measured times of one curve.
 struct TheoryLine {
-  std::string why_not;                            // "" if there is a line; else nothing below is set
-  double entry_ns = 0, meeting_ns = 0;            // of the device as a whole: threads that work at once share them
-  double residual = 0;                            // root mean square of fitted / measured - 1
-  double best_cell_cm = 0;                        // of least fitted cost
-  std::vector<std::pair<double, double>> points;  // cell in cm, time in ms, over the cells measured
+  std::string why_not;                  // "" if there is a line; else nothing below is set
+  double entry_ns = 0, meeting_ns = 0;  // of the device as a whole: threads that work at once share them
+  double residual = 0;                  // root mean square of fitted / measured - 1
+  double best_cell_cm = 0;              // of least fitted cost
+  theory::Bed bed;
 };
 TheoryLine theory_line(const Curve& curve);
+
+// The line to draw over the cells measured: cell in cm, time in ms. `line` as theory_line(curve) gave it, with a fit.
+std::vector<std::pair<double, double>> drawn(const TheoryLine& line, const Curve& curve);
 
 // A fit with a greater residual is called bad: the counts themselves are good to this (docs/theory.md).
 inline constexpr double kGoodResidual = 0.10;
