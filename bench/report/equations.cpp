@@ -18,10 +18,7 @@ struct Length {
   const char* name;
   double (*of)(const Row&);  // cm; NaN where the record does not say
 };
-double spacing(const Row& r) {
-  const auto at = r.record.find("volume_cm3");
-  return at == r.record.end() || !at->is_number() ? NAN : std::cbrt(at->get<double>() / static_cast<double>(r.n));
-}
+double spacing(const Row& r) { return std::cbrt(number_field(r, "volume_cm3") / static_cast<double>(r.n)); }
 constexpr Length kLengths[] = {{"rmin", [](const Row& r) { return r.rmin_cm; }},
                                {"ravg", [](const Row& r) { return r.ravg_cm; }},
                                {"rmax", [](const Row& r) { return r.rmax_cm; }},
@@ -31,7 +28,7 @@ constexpr std::size_t kRavg = 1;  // the paper's
 // Kinds of packings that plots/equations.gp gives a colour and a mark, 1 to 5.
 constexpr const char* kKinds[] = {"equal balls", "Table 1", "uniform", "bidisperse", "power law"};
 int kind_of(const Row& r) {
-  const std::string mix = r.record.contains("mix") && r.record["mix"].is_string() ? r.record["mix"].get<std::string>() : "table1";
+  const std::string mix = text_field(r, "mix");
   if (mix == "uniform") return 3;
   if (mix == "bidisperse") return 4;
   if (mix == "power_law") return 5;

@@ -9,11 +9,6 @@
 namespace touchstone::report {
 namespace {
 
-std::string word(const Row& r, const char* key) {
-  const auto at = r.record.find(key);
-  return at == r.record.end() || !at->is_string() ? "" : at->get<std::string>();
-}
-
 bool told_apart(const claims::Point& p) { return p.low > 1 || p.high < 1; }
 
 struct Pair {
@@ -42,7 +37,7 @@ const Row* find_case(const Device& device, const std::string& detector, const Se
   const auto at = std::find_if(device.rows.begin(), device.rows.end(), [&](const Row& r) {
     const bool gpu = r.place == "gpu";
     return r.detector == detector && r.packing == s.packing && r.output == s.output && r.order == s.order &&
-           r.knowledge == s.knowledge && word(r, "then") == s.then && r.cache == s.cache &&
+           r.knowledge == s.knowledge && text_field(r, "then") == s.then && r.cache == s.cache &&
            (gpu ? r.launch == s.launch : s.launch == "stream");  // launch is no axis of a CPU
   });
   return at == device.rows.end() ? nullptr : &*at;

@@ -32,9 +32,9 @@ std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share);
 }  // namespace
 
 theory::Bed bed_of_record(const Row& r) {
-  const double volume = 1e-6 * number_at(r.record, "/volume_cm3");
+  const double volume = 1e-6 * number_field(r, "volume_cm3");
   double x = 0.01 * number_at(r.record, "/base_cm/0"), y = 0.01 * number_at(r.record, "/base_cm/1");
-  const std::string mix = r.record.contains("mix") && r.record["mix"].is_string() ? r.record["mix"].get<std::string>() : "";
+  const std::string mix = text_field(r, "mix");
   if (!(volume > 0) || std::isnan(x) || std::isnan(y) || mix.empty())
     throw InputError(r.packing + ": the record has no mix, base_cm or volume_cm3");
   if (x == 0) x = y = std::cbrt(volume);  // a cube
@@ -92,7 +92,7 @@ Floors floors_of(const Device& device, const Facet& facet) {
   const double bandwidth = number_at(device.facts, "/calibration/copy_gb_per_s");
   for (const Curve& c : facet.curves)
     for (const Row* r : c.points) {
-      const double contacts = number_at(r->record, "/contacts");
+      const double contacts = number_field(*r, "contacts");
       if (const auto at = r->record.find("kernels"); at != r->record.end())
         f.kernels = std::max(f.kernels, static_cast<int>(at->size()));
       if (std::isnan(contacts) || std::isnan(bandwidth)) continue;
