@@ -272,6 +272,8 @@ TEST(BedOfRecord, IsTheBedOfItsPacking) {
     const Bed packing = bed_of(facts_of(make_loose(parse_spec(spec)).balls)),
               record = report::bed_of_record(record_of(spec, 1, 1));
     EXPECT_EQ(record.balls(), packing.balls()) << spec;
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(record.edge[axis] / packing.edge[axis], 1, 0.005) << spec << ", axis " << axis;
     for (const double cell : {0.004, 0.01, 0.025}) {
       EXPECT_NEAR(entries(record, cell) / entries(packing, cell), 1, 1e-3) << spec;
       EXPECT_NEAR(meetings(record, cell) / meetings(packing, cell), 1, 5e-3)
