@@ -111,7 +111,7 @@ std::vector<Card> read_cards(const std::filesystem::path& results) {
 Table cards_table(const std::vector<Card>& cards, const std::vector<Device>& devices) {
   Table t{"cards",
           "The cards' theoretical figures",
-          {"card", "bandwidth, GB/s", "by the record", "FP32, GFLOP/s", "by the record", "as advertised", "sources"},
+          {"card", "bandwidth, GB/s", "by the record", "FP32, GFLOP/s", "by the record", "as advertised"},
           {},
           {}};
   t.text_columns = t.header.size();
@@ -125,10 +125,9 @@ Table cards_table(const std::vector<Card>& cards, const std::vector<Device>& dev
         const bool hopper = d.facts.value(json::json_pointer("/device/compute_capability"), "") == "9.0";
         flops = hopper ? beside(256e-3 * fact(d, "/device/sms") * fact(d, "/device/max_sm_mhz"), c.gflops) : "not compared";
       }
-    std::string sources;
-    for (const auto& [words, url] : c.sources) sources += (sources.empty() ? "" : "; ") + words + ": " + url;
     t.rows.push_back({c.name, number_text(c.gb_per_s), bandwidth, fmt::format("{:.0f}", c.gflops), flops,
-                      c.vendor_gflops > 0 ? fmt::format("{:.0f}", c.vendor_gflops) : "the same", sources});
+                      c.vendor_gflops > 0 ? fmt::format("{:.0f}", c.vendor_gflops) : "the same"});
+    for (const auto& [words, url] : c.sources) t.notes.push_back(fmt::format("{}: {}, {}", c.name, words, url));
     if (!c.notes.empty()) t.notes.push_back(c.name + ": " + c.notes + ".");
   }
   t.notes.push_back(

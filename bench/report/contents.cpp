@@ -81,8 +81,9 @@ Section generations(const Library& l) {
 }
 
 void add_sweep_tables(const Library& l, Section& s, const Device& d) {
-  s.exhibits.push_back(
-      l.exhibit(optima_table(d, "optima_" + d.study, fmt::format("Best cell sizes, {} on {}", d.study, d.label)), d));
+  Exhibit e = l.exhibit(optima_table(d, "optima_" + d.study, fmt::format("Best cell sizes, {} on {}", d.study, d.label)), d);
+  e.folded = true;
+  s.exhibits.push_back(std::move(e));
   s.exhibits.push_back(l.all_cases(d));
 }
 
