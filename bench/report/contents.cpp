@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "bench/claims/series.h"
 #include "bench/report/cards.h"
 #include "bench/report/equations.h"
 #include "bench/report/fairness.h"
@@ -189,18 +190,22 @@ Contents contents(const Sources& sources) {
       "page "
       "comes from a record that it links to; published values are called published, everything else was measured and its contact "
       "set verified."};
-  c.page.sections = {claims(l, sources.ledger),
-                     packings(l),
-                     sizes(l),
-                     generations(l),
-                     cell_sweep(l, "figure6"),
-                     cell_sweep(l, "figure7"),
-                     equations(l),
-                     threads(l),
-                     occupancy(l),
-                     ablations(l),
-                     fairness(l),
-                     machines(l)};
+  try {
+    c.page.sections = {claims(l, sources.ledger),
+                       packings(l),
+                       sizes(l),
+                       generations(l),
+                       cell_sweep(l, "figure6"),
+                       cell_sweep(l, "figure7"),
+                       equations(l),
+                       threads(l),
+                       occupancy(l),
+                       ablations(l),
+                       fairness(l),
+                       machines(l)};
+  } catch (const claims::Missing& m) {  // a time or a length of 0, which no run leaves behind
+    throw InputError(fmt::format("{}: {}", sources.results.string(), m.what));
+  }
   c.files = l.cases_files();
   return c;
 }
