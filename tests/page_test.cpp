@@ -110,7 +110,7 @@ TEST_F(Page, InABrowserFitsAPhoneAndADesk) {
     EXPECT_EQ(seen["width"], width) << "the browser did not take the window's width";
     EXPECT_LE(seen["page"], width) << seen["wide"];
     EXPECT_THAT(seen["wide"], IsEmpty()) << "wider than a window of " << width;
-    EXPECT_GE(seen["figures"].get<int>(), 7) << "two panels of figure 8, one of 6 and 7, three of 9";
+    EXPECT_GE(seen["figures"].get<int>(), 17) << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6";
     EXPECT_EQ(seen["empty"], 0) << "figures without a size at " << width;
     EXPECT_GE(seen["least_text"].get<double>(), 8) << "a figure's text, px, at " << width;
     EXPECT_THAT(console, IsEmpty());
@@ -143,23 +143,63 @@ TEST_F(Page, EveryLinkLeadsToAFileOrAPlaceInThePage) {
 
 TEST_F(Page, HoldsEveryTableAndFigure) {
   const std::string text = page();
-  for (const std::string id :
-       {"table1", "table2", "table2_best_fixture-1", "table2_rule_fixture-1", "figure8", "figure6_fixture-1", "figure7_fixture-1",
-        "optima_figure6_fixture-1", "optima_equations_fixture-1", "figure9_fixture-1_1", "table3", "ablation_fixture-1",
-        "cases_fairness_fixture-1", "devices", "runs"})
+  for (const std::string id : {"table1",
+                               "table2",
+                               "table2_best_fixture-1",
+                               "table2_rule_fixture-1",
+                               "figure8",
+                               "figure6_fixture-1",
+                               "figure7_fixture-1",
+                               "optima_figure6_fixture-1",
+                               "optima_equations_fixture-1",
+                               "figure9_fixture-1_1",
+                               "table3",
+                               "ablation_fixture-1",
+                               "cases_fairness_fixture-1",
+                               "devices",
+                               "runs",
+                               "generations",
+                               "cards",
+                               "theory_figure6_fixture-1",
+                               "theory_figure7_fixture-1",
+                               "equations_fixture-1",
+                               "residuals_fixture-1",
+                               "fairness_fixture-1",
+                               "fairness_seeds_fixture-1",
+                               "fairness_order_fixture-1",
+                               "fairness_knowledge_fixture-1",
+                               "fairness_cache_fixture-1",
+                               "fairness_force_fixture-1",
+                               "fairness_output_fixture-1",
+                               "fairness_shape_fixture-1",
+                               "fairness_radii_fixture-1",
+                               "fairness_bytes_fixture-1"})
     EXPECT_THAT(text, HasSubstr(" id=\"" + id + "\"")) << id;
   EXPECT_THAT(text, Not(HasSubstr("Not measured yet")));
   EXPECT_THAT(text, HasSubstr("bench_detect --study figure6 --profile full"));
   EXPECT_THAT(text, HasSubstr("nothing was timed"));  // the record's own words for the timed region
 }
 
-TEST(CommittedReport, HoldsTheLedgerOfClaims) {
+TEST(CommittedReport, HoldsTheLedgerOfClaimsAndAgreesWithIt) {
   const TemporaryFolder folder;
   const Outcome o = run_program(std::string(TOUCHSTONE) + " report --results " + (kSource / "results").string() + " --out " +
                                 folder.path().string());
   ASSERT_EQ(o.code, 0) << o.err;
   EXPECT_THAT(file_text(folder.path() / "index.html"), HasSubstr("href=\"claims.json\""));
-  EXPECT_FALSE(json::parse(file_text(folder.path() / "claims.json")).empty());
+  const json ledger = json::parse(file_text(folder.path() / "claims.json"));
+  // The residuals beside the figure of the equations are the ledger's: two ways to read the same records.
+  int compared = 0;
+  for (const json& claim : ledger.at("claims"))
+    for (const json& rule : claim.at("id") == "optimum-follows-ravg" ? claim.at("rules") : json::array())
+      for (const json& finding : rule.at("findings")) {
+        if (!finding.contains("threshold") || rule.at("name") != "GPU, against spacing") continue;
+        const std::string table = file_text(folder.path() / ("residuals_" + finding.at("device").get<std::string>() + ".csv"));
+        const auto here = all_matches(table, "\nmulti_cell_bucket/paper,\\(V/N[^\n]*,(0\\.[0-9]+),[^,\n]*(?:,[^,\n]*)?\n");
+        ASSERT_EQ(here.size(), 1u) << table;
+        EXPECT_NEAR(std::stod(here[0]), finding.at("threshold")[0].at("value").get<double>(), 5e-4);
+        ++compared;
+      }
+  EXPECT_GE(compared, 1);
 }
 
 TEST_F(Page, EscapesWhatRecordsSay) {
@@ -200,6 +240,67 @@ TEST_F(Page, AblationsStandBesideTheSameCaseUnchanged) {
   const std::string table = file_text(out() / "ablation_fixture-1.md");
   EXPECT_THAT(table, HasSubstr("| judge_off | c4_n48928 | ball_lists | 0.0900 | 0.0600 | 1.50× |"));
   EXPECT_THAT(table, HasSubstr("| not measured: a bucket overflowed past what fits |"));
+}
+
+TEST_F(Page, TheLengthThatTheBestCellFollowsHasTheLeastResidual) {
+  // The fixture's best cell is 4 ravg, but for the steps of its sweep.
+  const std::string table = file_text(out() / "residuals_fixture-1.csv");
+  const auto rows = all_matches(table, "\n(multi_cell_bucket/paper,[^\n]*)");
+  ASSERT_EQ(rows.size(), 4u) << table;
+  const auto cells = [](const std::string& line) { return all_matches(line, "([^,]+)"); };
+  EXPECT_EQ(cells(rows[1])[1], "ravg");
+  EXPECT_NEAR(std::stod(cells(rows[1])[3]), 4, 0.1);
+  EXPECT_EQ(cells(rows[1])[6], "yes") << "the paper's 4 within the interval";
+  EXPECT_EQ(cells(rows[1]).back(), " the least\"");
+  EXPECT_LT(std::stod(cells(rows[1])[7]), std::stod(cells(rows[0])[7]));
+  EXPECT_THAT(file_text(out() / "residuals_fixture-1.md"), HasSubstr("ravg explains the best cell best"));
+  const std::string settings = file_text(out() / "equations_fixture-1_1.gp");
+  EXPECT_THAT(settings, HasSubstr("least_at = 2\n"));
+  EXPECT_THAT(settings, HasSubstr("paper_factor = 4\n"));
+}
+
+TEST_F(Page, TimesAreSetAgainstWhatTheCardsCouldHaveDone) {
+  const std::string table = file_text(out() / "generations.csv");
+  EXPECT_THAT(table, HasSubstr("\nGTX 285 (published),ms,0.50,"));
+  // 0.50 ms x 100 GB/s over 2,969 balls: 16.8 kB a ball; half of it as read with a card of half the bandwidth.
+  EXPECT_THAT(table, HasSubstr("\nGTX 285 (published),\"time x bandwidth, kB a ball\",16.8,"));
+  EXPECT_THAT(table, HasSubstr("\nGTX 285 read as GTX 280 (published),\"time x bandwidth, kB a ball\",8.42,"));
+  // 500 cores x 1 GHz x 2.
+  EXPECT_THAT(table, HasSubstr("\nGTX 580 (published),\"time x FP32, kFLOP a ball\",74.1,"));
+  // 170.063 us x the record's 1000 GB/s over 140,063 balls.
+  EXPECT_THAT(all_matches(table, "Fixture, paper's method\",\"time x bandwidth, kB a ball\",([^\n]*)"),
+              ::testing::ElementsAre("11.1,not measured,not measured,not measured,not measured,not measured,1.21"));
+  EXPECT_THAT(file_text(out() / "cards.md"), HasSubstr("| Fixture | 990 | 1000 (1.0 % off) |"));
+}
+
+TEST_F(Page, FairnessIsReadFromTheRatios) {
+  const auto has = [&](const std::string& question, const std::string& words) {
+    EXPECT_THAT(file_text(out() / ("fairness_" + question + "_fixture-1.md")), HasSubstr(words));
+  };
+  has("order", "| sorted_grid/rows | ball_lists | 0.500× (0.490 to 0.510) | 1.00× (0.985 to 1.03) |");
+  has("order",
+      "sorted / shuffled: 0.500× (sorted_grid/rows, ball_lists) to 0.500× (serial_levels, pairs), median 0.500×; 4 of 4 told "
+      "apart from 1.");
+  has("order", "median 1.00×; 0 of 4 told apart from 1.");
+  has("knowledge", "blind / known: 1.50× (serial_levels, ball_lists) to 3.00× (sorted_grid/rows, pairs), median 2.25×");
+  has("cache", "| sorted_grid/rows | pairs | 1.10× (1.08 to 1.12) | 0.900× (0.882 to 0.918) |\n\n");  // and no CPU row
+  has("force", "| serial_levels | pairs | 1.20× (1.18 to 1.22) |");
+  has("output", "| sorted_grid/rows | 1.00× (0.980 to 1.02) | 1.00× (0.980 to 1.02) |");
+  has("seeds", "| sorted_grid/rows | ball_lists | 0.0220 | 0.909 | 1.09 | 18.2 % | nothing to tune |");
+  has("shape", "| 0.250× (0.245 to 0.255) | 1.00 | 0.50 |");
+  has("radii", "| sorted_grid/rows | pairs | 0.100 | 2.00× (1.96 to 2.04) |");
+  has("bytes", "| sorted_grid/rows | pairs | 200 |");
+}
+
+TEST_F(Page, TheTheoryLineNamesItsFloorsAndABadFit) {
+  const std::string settings = file_text(out() / "figure6_fixture-1_multi_cell_bucket-paper-ball_lists-stream-hot-shuffled.gp");
+  EXPECT_THAT(settings, HasSubstr("curves = 6\nlaunch_floor = 0.005\nbytes_floor = 0.00275\n"));  // 2.2 MB at 800 GB/s
+  EXPECT_THAT(settings, HasSubstr("theory, C = 1"));
+  EXPECT_THAT(settings, Not(HasSubstr("theory, C = 3")));
+  EXPECT_THAT(file_text(out() / "figure7_fixture-1_serial_multi_cell-ball_lists-hot-shuffled.gp"),
+              HasSubstr("launch_floor = NaN\nbytes_floor = NaN\n"));
+  EXPECT_THAT(page(),
+              HasSubstr("the fit is bad (root mean square off by more than 10 %): C = 1 "));  // its curves are no two-term costs
 }
 
 TEST_F(Page, SameInputSameBytes) {

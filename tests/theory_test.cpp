@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "bench/report/theory_line.h"
 #include "datasets/loose.h"
 #include "datasets/settle.h"
 #include "datasets/spec.h"
@@ -247,6 +248,66 @@ TEST(BedOf, KeepsBallsAndMeanRadius) {
   EXPECT_NEAR(bed.mean_radius() / facts.ravg, 1, 1e-4);
   EXPECT_TRUE(std::is_sorted(bed.radii.begin(), bed.radii.end(), [](auto& a, auto& b) { return a.radius < b.radius; }));
   EXPECT_THROW(bed_of(PackingFacts{}), InputError);
+}
+
+// A record of this packing, as far as the theory line reads it.
+report::Row record_of(const std::string& spec_text, double cell_cm, double us) {
+  const PackingSpec spec = parse_spec(spec_text);
+  const PackingFacts facts = facts_of(make_loose(spec).balls);
+  double volume = 1e6;
+  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(facts.surfaces.upper[axis]) - facts.surfaces.lower[axis];
+  report::Row r;
+  r.detector = "multi_cell_bucket/paper", r.place = "gpu", r.packing = name_of(spec);
+  r.n = facts.n, r.cell_factor = spec.cell_factor, r.cell_cm = cell_cm, r.median_us = r.q1_us = r.q3_us = us;
+  r.rmin_cm = 100 * facts.rmin, r.ravg_cm = 100 * facts.ravg;
+  r.record = {
+      {"mix", std::string(to_string(spec.mix))}, {"base_cm", {100 * spec.base_x, 100 * spec.base_y}}, {"volume_cm3", volume}};
+  return r;
+}
+
+TEST(BedOfRecord, IsTheBedOfItsPacking) {
+  for (const std::string spec :
+       {"n=5000,c=4,kind=loose,base=cube,phi=0.6", "n=5000,c=2,kind=loose,base=8x8,mix=power_law,phi=0.6",
+        "n=5000,c=6,kind=loose,base=cube,mix=bidisperse,phi=0.3"}) {
+    const Bed packing = bed_of(facts_of(make_loose(parse_spec(spec)).balls)),
+              record = report::bed_of_record(record_of(spec, 1, 1));
+    EXPECT_EQ(record.balls(), packing.balls()) << spec;
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(record.edge[axis] / packing.edge[axis], 1, 0.005) << spec << ", axis " << axis;
+    for (const double cell : {0.004, 0.01, 0.025}) {
+      EXPECT_NEAR(entries(record, cell) / entries(packing, cell), 1, 1e-3) << spec;
+      EXPECT_NEAR(meetings(record, cell) / meetings(packing, cell), 1, 5e-3)
+          << spec;  // the box is a cube, or as wide as its base, but for a hair
+    }
+  }
+  report::Row other = record_of("n=500,c=4,kind=loose,base=cube,phi=0.6", 1, 1);
+  other.ravg_cm *= 1.01;
+  EXPECT_THROW(report::bed_of_record(other), InputError) << "a packing of other radii than its recipe's";
+  other.record.erase("volume_cm3");
+  EXPECT_THROW(report::bed_of_record(other), InputError);
+}
+
+TEST(TheoryLine, FindsTheCostsBehindACurve) {
+  const std::string spec = "n=2000,c=4,kind=loose,base=cube,phi=0.6";
+  std::vector<report::Row> rows;
+  for (const double cell_cm : {0.3, 0.5, 0.8, 1.2, 2.0}) rows.push_back(record_of(spec, cell_cm, 1));
+  const Bed bed = report::bed_of_record(rows.front());
+  report::Curve curve{rows.front().packing, {}};
+  for (report::Row& r : rows) {
+    r.median_us = 1e-3 * 2000 * (12 * entries(bed, 0.01 * r.cell_cm) + 0.5 * meetings(bed, 0.01 * r.cell_cm));
+    curve.points.push_back(&r);
+  }
+  const report::TheoryLine line = report::theory_line(curve);
+  ASSERT_EQ(line.why_not, "");
+  EXPECT_NEAR(line.entry_ns, 12, 1e-6);
+  EXPECT_NEAR(line.meeting_ns, 0.5, 1e-6);
+  EXPECT_LT(line.residual, 1e-9);
+  EXPECT_NEAR(line.best_cell_cm, 100 * best_cell(bed, {12, 0.5}), 1e-3);
+  EXPECT_NEAR(report::drawn(line, curve).front().second, 1e-3 * rows.front().median_us, 1e-9);
+  rows[2].median_us *= 2;  // no two-term cost any more
+  EXPECT_GT(report::theory_line(curve).residual, report::kGoodResidual);
+  for (report::Row& r : rows) r.detector = "sdk_sort";
+  EXPECT_NE(report::theory_line(curve).why_not, "") << "one cell a ball: these two terms are not its cost";
 }
 
 }  // namespace

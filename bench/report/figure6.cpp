@@ -10,6 +10,7 @@
 #include "bench/report/optimum.h"
 #include "bench/report/sweep.h"
 #include "bench/report/table.h"
+#include "bench/report/theory_line.h"
 
 namespace touchstone::report {
 namespace {
@@ -82,10 +83,24 @@ int look_of(const Row& r, std::size_t index) {
   return papers ? static_cast<int>(r.cell_factor) : static_cast<int>(index % 6) + 1;
 }
 
-Block curve_block(const Curve& c, int look, bool papers_method) {
+// Marks on most points would hide the curves; a note then says how many there are.
+constexpr double kMostMarked = 0.3;
+std::pair<std::size_t, std::size_t> marked(const Facet& f) {
+  std::size_t with = 0, all = 0;
+  for (const Curve& c : f.curves)
+    for (const Row* r : c.points) with += !r->marks.empty(), ++all;
+  return {with, all};
+}
+bool draws_marks(const Facet& f) {
+  const auto [with, all] = marked(f);
+  return static_cast<double>(with) <= kMostMarked * static_cast<double>(all);
+}
+
+Block curve_block(const Curve& c, int look, bool papers_method, bool with_marks) {
   Block b{label_of(*c.points.front()), look, {}};
   for (const Row* r : c.points) {
     std::vector<std::string> row = point(r->cell_cm, *r);
+    if (!with_marks) row.back() = in_quotes("");
     row.push_back(papers_method && feasible_in_2012(*r) == Feasible::no ? "1" : "0");
     b.rows.push_back(row);
   }
@@ -103,20 +118,42 @@ Block optimum_block(const Facet& f) {
   return b;
 }
 
+// The cell of least fitted cost of every curve, then the lines of the least and the greatest C; nothing where nothing is fitted.
+std::vector<Block> theory_blocks(const Facet& f) {
+  std::vector<Block> blocks{{"predicted", 0, {}}};
+  for (std::size_t k = 0; k < f.curves.size(); ++k) {
+    const TheoryLine line = theory_line(f.curves[k]);
+    const bool fitted = line.why_not.empty();
+    blocks.front().rows.push_back({number_or_missing(fitted ? line.best_cell_cm : NAN)});
+    if (!fitted || (k > 0 && k + 1 < f.curves.size())) continue;  // six dashed lines more would hide the measured ones
+    const Row& first = *f.curves[k].points.front();
+    Block b{"theory, " + label_of(first), look_of(first, k), {}};
+    for (const auto& [cell_cm, ms] : drawn(line, f.curves[k])) b.rows.push_back({number(cell_cm), number(ms)});
+    blocks.push_back(std::move(b));
+  }
+  if (blocks.size() == 1) blocks.clear();
+  return blocks;
+}
+
 Panel panel_of(const Facet& f, const Device& device, const Paper& paper) {
   Panel p{fmt::format("{}_{}_{}", paper.figure, id_of(device), id_word(f.title)), "figure6.gp", "", {}, {}};
   const bool papers_method = paper.gpu && is_the_papers_method(f);
   double least_ravg = INFINITY, most_ravg = 0, most_cell = 2.5;
   for (std::size_t k = 0; k < f.curves.size(); ++k) {
     const Curve& c = f.curves[k];
-    p.data.push_back(curve_block(c, look_of(*c.points.front(), k), papers_method));
+    p.data.push_back(curve_block(c, look_of(*c.points.front(), k), papers_method, draws_marks(f)));
     least_ravg = std::min(least_ravg, c.points.front()->ravg_cm);
     most_ravg = std::max(most_ravg, c.points.front()->ravg_cm);
     most_cell = std::max(most_cell, c.points.back()->cell_cm);
   }
   p.data.push_back(optimum_block(f));
+  for (Block& b : theory_blocks(f)) p.data.push_back(std::move(b));
+  const Floors floors = floors_of(device, f);
   const Envelope e = papers_method ? envelope_of(f) : Envelope{};
   p.settings = {{"panel_title", in_quotes(f.title)},
+                {"curves", std::to_string(f.curves.size())},
+                {"launch_floor", number_or_missing(floors.launch_ms)},
+                {"bytes_floor", number_or_missing(floors.bytes_ms)},
                 {"most_cell", number(most_cell)},
                 {"bound_ms", number(paper.bound_ms)},
                 {"best_low", number(paper.best_low)},
@@ -158,16 +195,21 @@ void add_notes(Figure& f, const std::vector<Facet>& shown, const Device& device,
         "Published, from the text, since no point of the paper's figure survives: several hundred ms, best at 0.5 to 1 cm.");
     f.notes.push_back("Measured on " + host_text(device) + ", one core.");
   }
+  for (const std::string& note : theory_notes(device, shown)) f.notes.push_back(note);
   f.notes.push_back("Balls: " + sizes_text(device) + ".");
   for (const Facet& s : shown) {
+    if (const auto [with, all] = marked(s); !draws_marks(s))
+      f.notes.push_back(fmt::format(
+          "{}: {} of {} points carry a flag (noise, few samples); their marks stand in the table of cases.", s.title, with, all));
     if (paper.gpu && is_the_papers_method(s) && !envelope_of(s).known)
       f.notes.push_back(s.title + ": not every record carries `cells` and `fullest_cell`; points without them are not shaded.");
+    std::string open;
     for (const Curve& c : s.curves) {
       const Optimum o = optimum(c.points);
       if (c.points.size() > 1 && (o.low == 0 || o.high + 1 == c.points.size()))
-        f.notes.push_back(
-            fmt::format("{}, {}: the optimum is not bracketed by the sweep.", s.title, label_of(*c.points.front())));
+        open += (open.empty() ? "" : "; ") + label_of(*c.points.front());
     }
+    if (!open.empty()) f.notes.push_back(fmt::format("{}: the optimum is not bracketed by the sweep at {}.", s.title, open));
   }
 }
 

@@ -9,6 +9,8 @@
 namespace touchstone::report {
 namespace {
 
+constexpr std::size_t kMostInOneLine = 36;  // bytes
+
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) text.replace(at, from.size(), to);
 }
@@ -16,7 +18,10 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 std::string cells_html(const Table& t, const std::vector<std::string>& cells, bool header) {
   std::string line = "<tr>";
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    const char* kind = k < t.text_columns ? "" : " class=\"number\"";
+    // A number with its bounds stays in one line; a reason why there is none may not fit one.
+    const char* kind = k < t.text_columns                           ? ""
+                       : header || cells[k].size() > kMostInOneLine ? " class=\"number\""
+                                                                    : " class=\"number line\"";
     if (header)
       line += fmt::format("<th scope=\"col\"{}>{}</th>", kind, escaped(cells[k]));
     else if (k == 0)

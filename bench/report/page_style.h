@@ -28,6 +28,7 @@ thead th { vertical-align: bottom; background: var(--plate); }
 tbody th { font-weight: 500; }
 tbody tr:last-child > * { border-bottom: 0; }
 .number { text-align: right; min-width: 4.5rem; }
+.line { white-space: nowrap; }
 .panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 1rem; }
 .panel { margin: 0; max-width: 38rem; }
 svg { display: block; width: 100%; height: auto; }
@@ -51,6 +52,7 @@ summary { cursor: pointer; font-weight: 600; }
   tbody th, td.number { overflow-wrap: normal; }
   th, td { padding: 1pt 2.5pt; max-width: none; }
   .number { min-width: 0; }
+  .line { white-space: normal; }
   tr, .panel, figcaption { break-inside: avoid; }
   figcaption { break-after: avoid; }
   .panels { grid-template-columns: 1fr 1fr 1fr; }

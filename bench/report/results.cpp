@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "bench/report/marks.h"
 #include "bench/strict_json.h"
@@ -186,6 +187,13 @@ Published read_published(const std::filesystem::path& root, const std::string& s
   p.table = t.at("table").at("rows").get<std::vector<std::vector<std::string>>>();
   p.notes = t.at("notes").get<std::vector<std::string>>();
   return p;
+}
+
+std::string text_field(const Row& row, const char* key) { return text(row.record, key); }
+
+double number_field(const Row& row, const char* key) {
+  const auto at = row.record.find(key);
+  return at == row.record.end() || !at->is_number() ? NAN : at->get<double>();
 }
 
 const Row* find(const std::vector<Row>& rows, const Query& q) {

@@ -58,6 +58,10 @@ struct Published {
 };
 Published read_published(const std::filesystem::path& root, const std::string& study);
 
+// A field of the row's record; "" and NaN where it holds no text or number of this name.
+std::string text_field(const Row& row, const char* key);
+double number_field(const Row& row, const char* key);
+
 // What to look for; an empty word matches anything.
 struct Query {
   std::string detector, protocol, launch, cache, output;
