@@ -155,6 +155,7 @@ TEST(Touchstone, DetectPrintsContactsTimeAndTheReference) {
   ASSERT_EQ(o.code, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("equal to all_pairs"));
   EXPECT_THAT(o.out, HasSubstr("serial_levels (reference)"));
+  EXPECT_THAT(o.out, HasSubstr("cell                       1 cm\n"));
   const std::string contacts = file_text(csv);
   const auto lines = std::count(contacts.begin(), contacts.end(), '\n') - 1;
   EXPECT_GT(lines, 0);
@@ -172,7 +173,8 @@ TEST(Touchstone, AFileWithoutBallsIsNoPacking) {
 TEST(Touchstone, ListNamesEveryDetectorAndItsParameters) {
   const Outcome o = run_program(std::string(TOUCHSTONE) + " list");
   ASSERT_EQ(o.code, 0);
-  for (const char* word : {"all_pairs", "serial_multi_cell", "serial_levels", "parallel_levels", "cell (any)"})
+  for (const char* word :
+       {"all_pairs", "serial_multi_cell", "serial_levels", "parallel_levels", "cell (any)", "knows beforehand: box"})
     EXPECT_THAT(o.out, HasSubstr(word));
 }
 
