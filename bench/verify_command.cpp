@@ -149,8 +149,6 @@ void print_report(const VerifyOptions& o, const PackingFile& p, const TrueContac
 int verify(VerifyOptions& o) {
   o.file.format = contact_format(o.format);
   o.file.timestep = o.timestep;
-  if (o.timestep && !is_dump(o.packing) && !is_dump(o.contacts))
-    throw InputError("--timestep: neither the packing nor the list is a dump with timesteps");
   o.rule.rounding = choice_of<Rounding>(
       o.borderline, "--borderline", {{"float32", Rounding::float32}, {"float64", Rounding::float64}, {"exact", Rounding::exact}});
   const ListForm form =
@@ -160,6 +158,8 @@ int verify(VerifyOptions& o) {
   const PackingFile p = read_judged_packing(o);
   const BallNumbering numbering{static_cast<std::int32_t>(p.packing.balls.size()), o.base, p.id};
   const ContactFile file = read_contacts(o.contacts, o.file, numbering);
+  if (o.timestep && !p.timestep && !file.timestep)
+    throw InputError("--timestep: neither the packing nor the list is a file with timesteps");
   if (p.timestep && file.timestep && *p.timestep != *file.timestep)
     throw InputError(
         fmt::format("the packing is of timestep {}, the list of {}; choose one with --timestep", *p.timestep, *file.timestep));

@@ -32,8 +32,14 @@ suite() {  # sanitizer, detector; what it says goes to $log
 # What the suite or the sanitizer says was wrong; empty if nothing. A SEGV counts where it is in a kernel: one that goes on without
 # a barrier takes the poison of unwritten shared memory for a ball's number.
 reason() {
-  grep -m1 -oE 'data race|heap-(buffer-overflow|use-after-free)|SEGV [^ ]*kernels/[a-z_]+\.(cu|h):[0-9]+|runtime error: .*|[0-9]+ missing .*extra.*|: (pair|contact|ball) .*|emulated kernel: .*' \
-    "$log" || sed -n '/: Failure$/{n;p;q}' "$log"
+  grep -m1 -oE 'data race|heap-(buffer-overflow|use-after-free)|runtime error: .*|[0-9]+ missing .*extra.*|: (pair|contact|ball) .*|emulated kernel: .*' \
+    "$log" && return
+  if grep -q 'Sanitizer: SEGV' "$log"; then
+    grep -m1 -E '#[0-9]+ .*/tree/' "$log" |
+      sed -nE 's#.*/tree/(kernels/([a-z_]+|emulated/cuda_words)\.(cu|h):[0-9]+).*#SEGV in \1#p'
+  else
+    sed -n '/: Failure$/{n;p;q}' "$log"
+  fi
 }
 
 # Control: each pair of sanitizer and detector that a mutant names, on the tree as it is. At least one test must have run.

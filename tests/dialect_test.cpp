@@ -114,13 +114,14 @@ TEST_F(DialectTest, WarpCollectives) {
   }
 }
 
-// An inclusive scan over each warp, in a loop that all its lanes run equally often.
+// Warp w scans its numbers w + 1 times over: within a warp all lanes run equally often, but no warp may wait for another.
 __global__ void scan_kernel(int* out) {
-  int sum = static_cast<int>(threadIdx.x);
-  for (unsigned delta = 1; delta < 32; delta *= 2) {
-    const int below = __shfl_up_sync(kFullWarp, sum, delta);
-    if (threadIdx.x % 32 >= delta) sum += below;
-  }
+  int sum = 1;
+  for (unsigned repeat = 0; repeat <= threadIdx.x / 32; ++repeat)
+    for (unsigned delta = 1; delta < 32; delta *= 2) {
+      const int below = __shfl_up_sync(kFullWarp, sum, delta);
+      if (threadIdx.x % 32 >= delta) sum += below;
+    }
   out[threadIdx.x] = sum;
 }
 
@@ -128,19 +129,30 @@ TEST_F(DialectTest, WarpsGoTheirOwnWays) {
   Buffer<int> out = zeros<int>(128, stream);
   launch(stream, {1, 128}, scan_kernel, out.data());
   const std::vector<int> found = values(out, stream);
-  for (int t = 0, sum = 0; t < 128; ++t) {
-    sum = t % 32 ? sum + t : t;
-    ASSERT_EQ(found[t], sum);
+  for (int warp = 0; warp < 4; ++warp) {
+    std::vector<int> expected(32, 1);
+    for (int repeat = 0; repeat <= warp; ++repeat) std::partial_sum(expected.begin(), expected.end(), expected.begin());
+    EXPECT_EQ(std::vector<int>(found.begin() + 32 * warp, found.begin() + 32 * (warp + 1)), expected) << "warp " << warp;
   }
 }
 
-__global__ void atomics_kernel(int* word, unsigned* wide, unsigned long long* wider, float* real, int* seen) {
+// `seen` and `left` count what atomicAdd and atomicExch gave back.
+__global__ void atomics_kernel(int* word, unsigned* wide, unsigned long long* wider, float* real, int* seen, int* left) {
   const int t = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  seen[atomicAdd(&word[0], 1)] = 1;
+  atomicAdd(&seen[atomicAdd(&word[0], 1)], 1);
   atomicMax(&word[1], t);
   atomicMin(&word[2], -t);
-  atomicCAS(&word[3], 0, t + 1);
-  atomicExch(&word[4], t + 1);
+  if (atomicCAS(&word[3], 0, t + 1) == 0) {
+    atomicAdd(&word[5], 1);
+    word[6] = t + 1;  // one thread alone comes here
+  }
+  atomicAdd(&left[atomicExch(&word[4], t + 1)], 1);
+  if (t == 0) {
+    word[7] = atomicMax(&word[9], 5) * 10 + atomicMax(&word[9], 3);
+    word[8] = atomicMin(&word[10], -5) * 10 + atomicMin(&word[10], -3);
+  }
+  __syncthreads();
+  for (int k = 0; k < 5000; ++k) atomicAdd(&word[11], 1);  // often enough for threads to come between load and store
   atomicAdd(wide, 0x80000000u + 1u);
   atomicAdd(wider, 1ull << 40);
   atomicAdd(real, 0.25f);
@@ -148,21 +160,27 @@ __global__ void atomics_kernel(int* word, unsigned* wide, unsigned long long* wi
 
 TEST_F(DialectTest, Atomics) {
   constexpr int kThreads = 4 * 64;
-  auto word = zeros<int>(5, stream), seen = zeros<int>(kThreads, stream);
+  auto word = zeros<int>(12, stream), seen = zeros<int>(kThreads, stream), left = zeros<int>(kThreads + 1, stream);
   auto wide = zeros<unsigned>(1, stream);
   auto wider = zeros<unsigned long long>(1, stream);
   auto real = zeros<float>(1, stream);
-  launch(stream, {4, 64}, atomics_kernel, word.data(), wide.data(), wider.data(), real.data(), seen.data());
+  launch(stream, {4, 64}, atomics_kernel, word.data(), wide.data(), wider.data(), real.data(), seen.data(), left.data());
   const std::vector<int> found = values(word, stream);
   EXPECT_EQ(found[0], kThreads);
   EXPECT_EQ(found[1], kThreads - 1);
   EXPECT_EQ(found[2], 1 - kThreads);
-  EXPECT_GT(found[3], 0);
-  EXPECT_GT(found[4], 0);
+  EXPECT_EQ(found[5], 1) << "atomicCAS: one thread finds the 0";
+  EXPECT_EQ(found[3], found[6]) << "atomicCAS: and no other changes the word";
+  EXPECT_EQ(found[7], 0 * 10 + 5) << "atomicMax gives the old value";
+  EXPECT_EQ(found[8], 0 * 10 - 5) << "atomicMin gives the old value";
+  EXPECT_EQ(found[11], 5000 * kThreads);
   EXPECT_EQ(values(wide, stream)[0], unsigned{kThreads});
   EXPECT_EQ(values(wider, stream)[0], static_cast<unsigned long long>(kThreads) << 40);
   EXPECT_EQ(values(real, stream)[0], 0.25f * kThreads);
   for (int count : values(seen, stream)) ASSERT_EQ(count, 1);  // each old value was given out once
+  std::vector<int> exchanged = values(left, stream);
+  ++exchanged.at(found[4]);  // the last value stayed
+  for (int count : exchanged) ASSERT_EQ(count, 1);
 }
 
 __global__ void bits_kernel(int* out) {
@@ -262,6 +280,9 @@ __global__ void mixed_kernel() {
   else
     __ballot_sync(kFullWarp, true);
 }
+// clang-format off
+__global__ void mixed_in_a_line_kernel() { if (threadIdx.x % 32 < 16) __any_sync(kFullWarp, true); else __all_sync(kFullWarp, true); }
+// clang-format on
 __global__ void half_warp_kernel() { __ballot_sync(0xFFFFu, true); }
 __global__ void throwing_kernel(int thrower) {
   if (static_cast<int>(threadIdx.x) == thrower) throw std::runtime_error("thrown on purpose");
@@ -280,6 +301,7 @@ TEST_F(DialectTest, DefectsAreErrorsNotHangs) {
   EXPECT_NE(error_of(stream, shape, lane_exit_kernel).find("31 at __ballot_sync()"), std::string::npos);
   EXPECT_NE(error_of(stream, shape, astray_kernel).find("meet at different places"), std::string::npos);
   EXPECT_NE(error_of(stream, shape, mixed_kernel).find("meet at different places"), std::string::npos);
+  EXPECT_NE(error_of(stream, shape, mixed_in_a_line_kernel).find("meet at different places"), std::string::npos);
   EXPECT_NE(error_of(stream, shape, half_warp_kernel).find("whole warps only"), std::string::npos);
   EXPECT_EQ(error_of(stream, shape, idle_kernel), "") << "the next launch is as good as new";
 }

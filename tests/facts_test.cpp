@@ -6,6 +6,7 @@
 #include "tests/small_packings.h"
 #include "touchstone/error.h"
 #include "touchstone/packing.h"
+#include "touchstone/radius_bins.h"
 
 namespace touchstone {
 namespace {
@@ -45,6 +46,24 @@ TEST(Facts, HistogramHoldsEveryBallBelowItsBinsUpperRadius) {
       for (const Ball& b : p.balls) balls += below < b.r && b.r <= upper;
       EXPECT_EQ(count, balls) << "up to " << upper;
       below = upper;
+    }
+  }
+}
+
+// The guess by division is off by one for some of these ends: each end belongs to its bin, the float after it to the next.
+TEST(RadiusBins, EndsBelongToTheirBin) {
+  for (const auto& [least, most] :
+       {std::pair{0.0025f, 0.01f}, {0.0025f, 0.0125f}, {0.1f, 0.7f}, {1.0f, 1.00001f}, {3e-5f, 7.0f}}) {
+    const RadiusBins bins(least, most);
+    EXPECT_EQ(bins.upper(RadiusBins::kMost - 1), most);
+    EXPECT_EQ(bins.bin_of(least), 0);
+    for (int b = 0; b < RadiusBins::kMost; ++b) {
+      const float end = bins.upper(b), before = b > 0 ? bins.upper(b - 1) : least;
+      if (!(before < end)) continue;  // bins narrower than a float's spacing
+      EXPECT_EQ(bins.bin_of(end), b) << least << " to " << most;
+      if (end < most && bins.upper(b + 1) > end) {
+        EXPECT_EQ(bins.bin_of(std::nextafter(end, most)), b + 1) << least << " to " << most;
+      }
     }
   }
 }

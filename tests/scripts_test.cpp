@@ -105,8 +105,8 @@ class Mutants : public ::testing::Test {
                  "empty) echo '[  PASSED  ] 0 tests.' ;;\n"
                  "racy) echo 'WARNING: ThreadSanitizer: data race (pid=1)'; exit 66 ;;\n"
                  "wrong) printf 'k.cpp:1: Failure\\n7 missing (first 1-2), 0 extra\\n'; exit 1 ;;\n"
-                 "astray) echo 'SUMMARY: ThreadSanitizer: SEGV ../tree/kernels/k.cu:9 in k_kernel'; exit 66 ;;\n"
-                 "crash) echo 'SUMMARY: ThreadSanitizer: SEGV ../tree/kernels/emulated/b.cpp:9 in f'; exit 66 ;;\n"
+                 "astray) echo 'ThreadSanitizer: SEGV'; echo '#0 f san.h:1'; echo '#1 k ../tree/kernels/k.cu:9 (x)'; exit 66 ;;\n"
+                 "crash) echo 'ThreadSanitizer: SEGV'; echo '#0 f ../tree/kernels/emulated/b.cpp:9 (x)'; exit 66 ;;\n"
                  "slow) exit 124 ;;\n"
                  "absent) exit 127 ;;\n"
                  "silent) exit 1 ;;\n"
@@ -130,7 +130,7 @@ TEST_F(Mutants, AreCaughtWithAReason) {
   EXPECT_THAT(racy.out, HasSubstr("caught: data race"));
   EXPECT_EQ(wrong.code, 0) << wrong.err;
   EXPECT_THAT(wrong.out, HasSubstr("caught: 7 missing"));
-  EXPECT_THAT(judge("astray").out, HasSubstr("caught: SEGV ../tree/kernels/k.cu:9"));
+  EXPECT_THAT(judge("astray").out, HasSubstr("caught: SEGV in kernels/k.cu:9"));
 }
 
 // Else what was built from a mutant would be taken for the original.

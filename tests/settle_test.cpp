@@ -68,6 +68,7 @@ TEST(ContactLaw, HeadOnCollisionKeepsItsRestitution) {
     overlap -= dt * vn;
   }
   EXPECT_NEAR(vn, std::exp(-std::numbers::pi * h / std::sqrt(1 - h * h)), 0.02);
+  EXPECT_EQ(lsd_normal_force(k, c, 1e-9, 1), 0) << "balls that part fast must not attract";
 }
 
 TEST(ContactLaw, FrictionIsBoundedByCoulomb) {
@@ -78,6 +79,9 @@ TEST(ContactLaw, FrictionIsBoundedByCoulomb) {
   EXPECT_NEAR(stuck.x, 500 * 1e-6 + 0.1 * 1e-3, 1e-12);
   for (int step = 0; step < 100000; ++step) lsd_tangential_force(contact, 10, n, slow, 1e-3, spring);
   EXPECT_NEAR(lsd_tangential_force(contact, 10, n, slow, 1e-3, spring).x, 3.0, 1e-9);
+  // Turned round, it gives way at once: what the spring carries did not grow while it slid.
+  const Vec3 back{-1e-3, 0, 0};
+  EXPECT_NEAR(lsd_tangential_force(contact, 10, n, back, 1e-3, spring).x, 3.0 - 0.1 * 1e-3 - 500 * 1e-6 - 0.1 * 1e-3, 1e-9);
   EXPECT_NEAR(norm(lsd_tangential_force(contact, 10, {1, 0, 0}, {}, 1e-3, spring)), 0, 1e-9) << "spring was not turned";
 }
 
