@@ -57,6 +57,18 @@ void launch_together(Stream&, LaunchShape shape, void (*kernel)(Params...), Args
                 [&] { kernel(static_cast<Params>(args)...); });
 }
 
+// As launch(): here every kernel ends before the next begins.
+template <class... Params, class... Args>
+void launch_overlapped(Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&... args) {
+  launch(stream, shape, kernel, std::forward<Args>(args)...);
+}
+template <class Kernel>
+bool can_overlap(Kernel*) {
+  return false;
+}
+inline void wait_for_kernel_before() {}
+inline void let_next_kernel_begin() {}
+
 template <class T>
 T* dynamic_shared() {
   return static_cast<T*>(emulated::shared_memory());
@@ -122,6 +134,46 @@ void launch_together(Stream& stream, LaunchShape shape, void (*kernel)(Params...
   config.attrs = &cooperative;
   config.numAttrs = 1;
   check(cudaLaunchKernelEx(&config, kernel, static_cast<Params>(args)...));
+}
+
+// Programmatic dependent launch: blocks may begin while the kernel before them on the stream still runs, once all of its
+// blocks have called let_next_kernel_begin() or ended; that hides most of a launch. Each thread must call
+// wait_for_kernel_before(), and may touch nothing before it that a kernel of the same detect() writes: it returns when the kernel
+// before has ended and its writes are seen, and, as that one waited too, all before it. The first kernel of a detect() takes
+// launch(). Only where can_overlap().
+template <class... Params, class... Args>
+void launch_overlapped(Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&... args) {
+  dialect_detail::allow_shared(kernel, shape.shared_bytes);
+  cudaLaunchAttribute overlapped{};
+  overlapped.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+  overlapped.val.programmaticStreamSerializationAllowed = 1;
+  cudaLaunchConfig_t config{};
+  config.gridDim = dim3(static_cast<unsigned>(shape.blocks));
+  config.blockDim = dim3(static_cast<unsigned>(shape.threads));
+  config.dynamicSmemBytes = shape.shared_bytes;
+  config.stream = stream.get();
+  config.attrs = &overlapped;
+  config.numAttrs = 1;
+  check(cudaLaunchKernelEx(&config, kernel, static_cast<Params>(args)...));
+}
+
+// Whether this kernel, as compiled for the current device, holds the two words below: they are no-ops before Hopper.
+template <class Kernel>
+bool can_overlap(Kernel* kernel) {
+  cudaFuncAttributes attributes{};
+  check(cudaFuncGetAttributes(&attributes, kernel));
+  return attributes.ptxVersion >= 90 && attributes.binaryVersion >= 90;
+}
+
+__device__ inline void wait_for_kernel_before() {
+#if __CUDA_ARCH__ >= 900
+  asm volatile("griddepcontrol.wait;" ::: "memory");
+#endif
+}
+__device__ inline void let_next_kernel_begin() {
+#if __CUDA_ARCH__ >= 900
+  asm volatile("griddepcontrol.launch_dependents;" ::: "memory");
+#endif
 }
 
 __device__ inline void grid_sync() { cooperative_groups::this_grid().sync(); }

@@ -59,6 +59,17 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .buckets = false,
      .known = "box,ravg,rmax",
      .make = make_sorted_grid},
+    {.name = "levels",
+     .layout = "",
+     .summary = "levels by radius, each with its own grid; counting sort by rows; any radii, cells of its own choice",
+     .place = Place::device,
+     .free_cell = false,
+     .least_cell_rmax = 0,
+     .threads_broad = true,
+     .threads_narrow = true,
+     .buckets = false,
+     .known = "box,rmin,rmax,histogram",
+     .make = make_levels},
 };
 
 std::span<const DetectorInfo> gpu_detectors() { return kGpuDetectors; }

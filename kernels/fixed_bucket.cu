@@ -139,7 +139,7 @@ class FixedBucket : public Detector {
     params.threads_narrow = threads_or("fixed_bucket", params.threads_narrow, 128);
     params_ = params;
 
-    require_memory("fixed_bucket", grid_, workspace_bytes(), "use a larger cell or fewer slots a cell");
+    require_memory("fixed_bucket", grid_.cells(), workspace_bytes(), "use a larger cell or fewer slots a cell");
     length_ = Buffer<std::int32_t>(grid_.cells(), Place::device, stream);
     number_ = Buffer<std::int32_t>(slots(), Place::device, stream);
     ball_ = Buffer<Ball>(slots(), Place::device, stream);

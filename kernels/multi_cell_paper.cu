@@ -126,7 +126,7 @@ class MultiCellPaper : public Detector {
     params.threads_narrow = threads_or("multi_cell_bucket/paper", params.threads_narrow, 128);  // Fig. 9
     params_ = params;
 
-    require_memory("multi_cell_bucket/paper", grid_, workspace_bytes(), "use a larger cell or fewer slots a cell");
+    require_memory("multi_cell_bucket/paper", grid_.cells(), workspace_bytes(), "use a larger cell or fewer slots a cell");
     length_ = Buffer<std::int32_t>(grid_.cells(), Place::device, stream);
     number_ = Buffer<std::int32_t>(grid_.cells() * params_.cell_capacity, Place::device, stream);
   }

@@ -45,7 +45,7 @@ std::int64_t workspace(const Grid& grid, std::int64_t n) {
 
 // Passes n through once the memory is known to suffice: members are allocated after it.
 std::int32_t checked(std::string_view method, const Grid& grid, std::int32_t n) {
-  require_memory(method, grid, workspace(grid, n), "use a larger cell");
+  require_memory(method, grid.cells(), workspace(grid, n), "use a larger cell");
   return n;
 }
 

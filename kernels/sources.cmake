@@ -4,6 +4,7 @@ set(TOUCHSTONE_KERNEL_SOURCES
   device_facts.cu
   fixed_bucket.cu
   force_pass.cu
+  levels.cu
   multi_cell_paper.cu
   multi_cell_staged.cu
   primitives.cu
@@ -14,4 +15,5 @@ set(TOUCHSTONE_KERNEL_SOURCES
 set(TOUCHSTONE_KERNEL_HOST_SOURCES
   detection.cpp
   detectors.cpp
+  level_grids.cpp
   planning.cpp)

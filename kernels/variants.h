@@ -14,6 +14,7 @@ struct DetectorFactory {
 using DetectorFactory = std::unique_ptr<Detector>(const PackingFacts& facts, const DetectorParams& params, Stream& stream);
 #endif
 
+DetectorFactory make_levels;
 DetectorFactory make_sdk_sort;
 DetectorFactory make_fixed_bucket;
 DetectorFactory make_multi_cell_paper;

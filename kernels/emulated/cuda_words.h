@@ -18,7 +18,9 @@
 #define __device__
 #define __host__
 #define __forceinline__ inline
+#define __grid_constant__
 #define __launch_bounds__(...)
+#define __maxnreg__(...)
 // One variable for all blocks: correct because blocks run one after another. It cannot be poisoned between them, as dynamic
 // shared memory is; a kernel that reads a static array before writing it finds the last block's values.
 #define __shared__ static
@@ -164,6 +166,8 @@ inline int __popc(unsigned x) { return std::popcount(x); }
 inline int __popcll(unsigned long long x) { return std::popcount(x); }
 inline int __ffs(int x) { return x ? std::countr_zero(static_cast<unsigned>(x)) + 1 : 0; }
 inline int __clz(int x) { return std::countl_zero(static_cast<unsigned>(x)); }
+inline int __float_as_int(float x) { return std::bit_cast<int>(x); }
+inline float __int_as_float(int x) { return std::bit_cast<float>(x); }
 template <class T>
 T __ldg(const T* at) {
   return *at;

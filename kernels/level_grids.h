@@ -1,0 +1,63 @@
+// The grids of detector `levels`: one a class of radii, all their rows of cells in one array. Host side of levels.cu.
+#pragma once
+
+#include <cstdint>
+
+#include "touchstone/grid.h"
+#include "touchstone/host_device.h"
+#include "touchstone/packing.h"
+
+namespace touchstone {
+
+// Cells of one level: edge 1 / inv_x along x, 1 / inv_yz along y and z, m. Cell (x, y, z) is entry
+// first_entry + (z * ny + y) * (nx + 1) + x; a row has one entry more than cells, its end.
+struct LevelGrid {
+  float radius;  // no ball of the level is larger, m
+  float inv_x, inv_yz;
+  std::int32_t nx, ny, nz;
+  std::int32_t first_entry, first_row;
+  bool one_radius;  // as construction knew the balls, all have the level's radius
+
+  TOUCHSTONE_HD std::int32_t rows() const { return ny * nz; }
+};
+
+// Passed to kernels by value. Levels ascend in radius.
+struct LevelGrids {
+  static constexpr int kMost = 8;
+
+  float x0 = 0, y0 = 0, z0 = 0;  // lower corner of all grids, m
+  std::int32_t levels = 0;
+  std::int32_t rows = 0;     // of all levels, each level's rounded up to a multiple of rows_a_block
+  std::int32_t entries = 0;  // of all levels
+  LevelGrid level[kMost] = {};
+
+  // The level of a ball: the finest that holds its radius.
+  TOUCHSTONE_HD int level_of(float r) const {
+    int l = 0;
+    for (int k = 0; k + 1 < levels; ++k) l += r > level[k].radius;
+    return l;
+  }
+};
+
+// One of the searches: balls of level `asking` against those of level `asked`, the same or a finer one.
+struct LevelQuery {
+  std::int32_t asking, asked;
+  std::int32_t lane_bits;  // 2^lane_bits threads a ball
+  std::int32_t first_block, blocks;
+};
+
+// Longest searches first: they are the tail.
+struct LevelQueries {
+  static constexpr int kMost = LevelGrids::kMost * (LevelGrids::kMost + 1) / 2;
+
+  std::int32_t count = 0;
+  LevelQuery query[kMost] = {};
+};
+
+// Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic.
+LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block);
+
+// The searches for balls as many as the facts say, in blocks of `threads`.
+LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads);
+
+}  // namespace touchstone
