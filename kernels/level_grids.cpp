@@ -13,8 +13,9 @@ namespace {
 // Cells of a level, in its largest radii: along x, and along y and z. Measured best at 1 to 2 and at 2 (docs/levels.md).
 constexpr double kCellX = 2, kCellYZ = 2;
 
-// What a search costs, in instructions of a thread: once for a ball and level, a row of cells, a ball tested.
-constexpr double kPerQuery = 150, kPerRow = 35, kPerTest = 16;
+// What a search costs, in instructions of a thread: once for a ball that asks its own level, or a finer one (there by many
+// threads); a row of cells; a ball tested, in a level of one radius or of several.
+constexpr double kPerOwn = 200, kPerFiner = 1000, kPerRow = 35, kPerTest = 14, kPerTestOfSeveral = 18;
 
 // A level has no more entries than this, far outliers or not: an index of all levels fits 32 bits.
 double most_entries(double balls) { return std::min(4 * balls + 64, 2.4e8); }
@@ -27,7 +28,7 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
 LevelGrid make_level(const Box& centres, const RadiusClass& c, float rmin) {
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
-  level.one_radius = level.radius == rmin;  // its bin begins and ends at rmin
+  level.one_radius = level.radius == rmin;
   for (double x = kCellX * c.radius, yz = kCellYZ * c.radius;; x *= 1.1, yz *= 1.1) {
     level.inv_x = static_cast<float>(1 / x), level.inv_yz = static_cast<float>(1 / yz);
     level.nx = cells_along(centres, 0, x), level.ny = cells_along(centres, 1, yz), level.nz = cells_along(centres, 2, yz);
@@ -47,11 +48,12 @@ int lane_bits_for(double v) {
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block) {
   double volume = 1;
   for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(facts.surfaces.upper[axis]) - facts.surfaces.lower[axis];
-  const auto query = [volume](double radius, const RadiusClass& level, double share) {
+  const auto query = [volume, &facts](double radius, const RadiusClass& level, double share) {
     const double x = kCellX * level.radius, yz = kCellYZ * level.radius, width = 2 * (radius + level.radius);
     const double rows = std::pow(width / yz + 1, 2);
     const double tests = level.balls * std::min(1.0, (width + x) * std::pow(width + yz, 2) / volume);
-    return kPerQuery + share * (rows * kPerRow + tests * kPerTest);
+    const double per_test = level.radius > facts.rmin ? kPerTestOfSeveral : kPerTest;
+    return (share < 1 ? kPerOwn : kPerFiner) + share * (rows * kPerRow + tests * per_test);
   };
 
   LevelGrids grids;

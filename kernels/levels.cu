@@ -27,10 +27,11 @@ constexpr int kMostLevels = LevelGrids::kMost;
 constexpr int kHits = 8;          // contacts that a thread keeps before it writes; more are written one by one
 constexpr int kChunksInHand = 4;  // 32 cells each: what of a row a warp keeps in registers
 
-// A ball in its place: centre, and its number in the packing. The radius, where a level holds several, stands apart.
+// A ball in its place: centre, and what a test or a contact needs next. In a level of one radius that is the ball's number; else
+// its radius, and the number stands apart.
 struct alignas(16) PlacedBall {
   float x, y, z;
-  std::int32_t number;
+  std::int32_t number_or_radius;
 };
 
 // Of one level, this time.
@@ -45,7 +46,7 @@ struct LevelIndex {
   std::int32_t* start;    // [entries] first place of a cell; a row's last entry is its end
   std::int32_t* rank;     // [n] of ball i among those of its cell
   PlacedBall* ball;       // [n] by place
-  float* radius;          // [n] by place; only of balls in levels of several radii
+  std::int32_t* number;   // [n] by place; only of balls in levels of several radii
   std::int32_t* counted;  // [levels] balls
   std::int32_t* odd;      // [levels] not zero: not all have the level's radius
   std::int32_t* taken;    // [levels] places given to rows
@@ -171,19 +172,20 @@ __global__ void move_kernel(BallsView in, const __grid_constant__ LevelGrids gri
   if (i < grids.levels) index.counted[i] = index.odd[i] = index.taken[i] = 0;
   if (i >= in.n) return;
   const std::int32_t place = index.start[entry] + index.rank[i];
-  index.ball[place] = {b.x, b.y, b.z, static_cast<std::int32_t>(i)};
-  if (!index.state[level].one_radius) index.radius[place] = b.r;
+  const auto number = static_cast<std::int32_t>(i);
+  const bool one_radius = index.state[level].one_radius != 0;
+  index.ball[place] = {b.x, b.y, b.z, one_radius ? number : __float_as_int(b.r)};
+  if (!one_radius) index.number[place] = number;
 }
 
-// Ball `me`, which stands at `place` in level `own`, asks rows lane, lane + lanes, … of level `asked`; emit(number) for each
-// contact that is its to find.
+// Ball `me`, which stands at `place` in level `own`, asks rows lane, lane + lanes, … of level `asked`; emit() for each contact
+// that is its to find, with the other's number, or its place where the asked level has several radii.
 template <class Emit>
 __device__ inline void ask(const LevelGrids& grids, const LevelIndex& index, int own, int asked, bool one_radius, const Ball& me,
                            std::int32_t place, int lane, int lanes, Emit&& emit) {
   const LevelGrid& g = grids.level[asked];
   const float sum = add(me.r, g.radius), reach = pad(sum);
-  const float most =
-      mul(sum, sum);  // of the squared distance; exact where the level has one radius, else an upper bound: sum rises with r
+  const float most = mul(sum, sum);  // of the squared distance, where the level has one radius
   const std::int32_t x_lo = cell_coordinate(sub(me.x, reach), grids.x0, g.inv_x, g.nx);
   const std::int32_t x_hi = cell_coordinate(add(me.x, reach), grids.x0, g.inv_x, g.nx) + 1;
   const std::int32_t y_lo = cell_coordinate(sub(me.y, reach), grids.y0, g.inv_yz, g.ny);
@@ -196,9 +198,13 @@ __device__ inline void ask(const LevelGrids& grids, const LevelIndex& index, int
   const std::int32_t width = y_hi - y_lo + 1, stride = g.nx + 1;
   for (y += lane; y > y_hi; y -= width) ++z;
   std::int32_t row = g.first_entry + (z * g.ny + y) * stride;  // its first entry
-  const auto near = [&](const PlacedBall& o) {
+  // in_contact(), with one sum of radii for all.
+  const auto touches_one = [&](const PlacedBall& o) {
     const float dx = sub(me.x, o.x), dy = sub(me.y, o.y), dz = sub(me.z, o.z);
-    return add(add(mul(dx, dx), mul(dy, dy)), mul(dz, dz)) < most;  // in_contact(), with one sum of radii for all
+    return add(add(mul(dx, dx), mul(dy, dy)), mul(dz, dz)) < most;
+  };
+  const auto touches = [&](const PlacedBall& o) {
+    return in_contact(me, Ball{o.x, o.y, o.z, __int_as_float(o.number_or_radius)});
   };
   while (z <= z_hi) {
     std::int32_t q = own_row ? place + 1 : index.start[row + x_lo];
@@ -208,18 +214,20 @@ __device__ inline void ask(const LevelGrids& grids, const LevelIndex& index, int
     if (one_radius) {
       for (; q + 1 < last; q += 2) {
         const PlacedBall o = index.ball[q], next = index.ball[q + 1];
-        if (near(o)) emit(o.number);
-        if (near(next)) emit(next.number);
+        if (touches_one(o)) emit(o.number_or_radius);
+        if (touches_one(next)) emit(next.number_or_radius);
       }
       if (q < last) {
         const PlacedBall o = index.ball[q];
-        if (near(o)) emit(o.number);
+        if (touches_one(o)) emit(o.number_or_radius);
       }
     } else {
-      for (; q < last; ++q) {
-        const PlacedBall o = index.ball[q];
-        if (near(o) && in_contact(me, Ball{o.x, o.y, o.z, index.radius[q]})) emit(o.number);
+      for (; q + 1 < last; q += 2) {
+        const PlacedBall o = index.ball[q], next = index.ball[q + 1];
+        if (touches(o)) emit(q);
+        if (touches(next)) emit(q + 1);
       }
+      if (q < last && touches(index.ball[q])) emit(q);
     }
   }
 }
@@ -232,12 +240,16 @@ struct HitLists {
   __device__ std::int32_t& at(int k) const { return slot[k * static_cast<int>(blockDim.x) + static_cast<int>(threadIdx.x)]; }
 };
 
-// All threads of the block together: writes ball i's `hits` contacts of each thread. Whether any thread has `more`.
-__device__ inline bool write_hits(const HitLists& lists, std::int32_t i, int hits, bool more, const ContactsView& out) {
+// All threads of the block together: writes ball i's `hits` contacts of each thread, whose others are named by place if `number`
+// is not null. Whether any thread has `more`.
+__device__ inline bool write_hits(const HitLists& lists, const std::int32_t* number, std::int32_t i, int hits, bool more,
+                                  const ContactsView& out) {
   constexpr std::int32_t kMore = 1 << 30;  // a flag that travels with a warp's sum
   __shared__ std::int32_t in_warp[kWarpSize];
   __shared__ std::int64_t block_first;
   const int warp = static_cast<int>(threadIdx.x) / kWarpSize, warps = static_cast<int>(blockDim.x) / kWarpSize;
+  if (number)
+    for (int k = 0; k < hits; ++k) lists.at(k) = number[lists.at(k)];
   const std::int32_t up_to = sum_up_to_lane(hits);
   const bool warp_has_more = __any_sync(kFullWarp, more);
   if (threadIdx.x % kWarpSize == kWarpSize - 1) in_warp[warp] = up_to | (warp_has_more ? kMore : 0);
@@ -287,8 +299,9 @@ __global__ void __maxnreg__(40) search_kernel(const __grid_constant__ LevelGrids
       int hits = 0;
       if (k < own.balls) {
         const PlacedBall b = index.ball[place];
-        const Ball me{b.x, b.y, b.z, own.one_radius ? grids.level[query.asking].radius : index.radius[place]};
-        i = b.number;
+        const float radius = own.one_radius ? grids.level[query.asking].radius : __int_as_float(b.number_or_radius);
+        const Ball me{b.x, b.y, b.z, radius};
+        i = own.one_radius ? b.number_or_radius : index.number[place];
         ask(grids, index, query.asking, query.asked, one_radius, me, place, lane, lanes, [&](std::int32_t j) {
           const int at = hits++ - written;
           if (at >= 0 && at < kHits) lists.at(at) = j;
@@ -296,7 +309,7 @@ __global__ void __maxnreg__(40) search_kernel(const __grid_constant__ LevelGrids
       }
       const int now = min(hits - written, kHits);
       written += now;
-      again = write_hits(lists, i, now, hits > written, out);
+      again = write_hits(lists, one_radius ? nullptr : index.number, i, now, hits > written, out);
     } while (again);
     __syncthreads();
   }
@@ -317,7 +330,7 @@ class Levels : public Detector {
     start_ = Buffer<std::int32_t>(grids_.entries, Place::device, stream);
     rank_ = Buffer<std::int32_t>(n_, Place::device, stream);
     ball_ = Buffer<PlacedBall>(n_, Place::device, stream);
-    radius_ = Buffer<float>(n_, Place::device, stream);
+    number_ = Buffer<std::int32_t>(n_, Place::device, stream);
     tally_ = Buffer<std::int32_t>(3 * kMostLevels, Place::device, stream);
     state_ = Buffer<LevelState>(kMostLevels, Place::device, stream);
     fill_async(count_, 0, stream);
@@ -374,7 +387,7 @@ class Levels : public Detector {
             start_.data(),
             rank_.data(),
             ball_.data(),
-            radius_.data(),
+            number_.data(),
             tally_.data(),
             tally_.data() + kMostLevels,
             tally_.data() + 2 * kMostLevels,
@@ -386,9 +399,8 @@ class Levels : public Detector {
   bool overlap_ = false;
   LevelGrids grids_;
   LevelQueries queries_;
-  Buffer<std::int32_t> count_, start_, rank_, tally_;
+  Buffer<std::int32_t> count_, start_, rank_, number_, tally_;
   Buffer<PlacedBall> ball_;
-  Buffer<float> radius_;
   Buffer<LevelState> state_;
 };
 
