@@ -10,8 +10,8 @@
 namespace touchstone {
 namespace {
 
-// Cells of a level, in its largest radii: along x, and along y and z. Measured best at 1 to 2 and at 2 (docs/levels.md).
-constexpr double kCellX = 2, kCellYZ = 2;
+// Cells of a level, in its largest radii: along x, and along y and z (docs/levels.md).
+constexpr double kCellX = 1, kCellYZ = 2;
 
 // What a search costs, in instructions of a thread: once for a ball that asks its own level, or a finer one (there by many
 // threads); a row of cells; a ball tested, in a level of one radius or of several.
@@ -36,10 +36,10 @@ LevelGrid make_level(const Box& centres, const RadiusClass& c, float rmin) {
   }
 }
 
-// The largest power of two at or below v, within 1 … 32: its exponent.
+// The least power of two not below v, within 1 … 32: its exponent.
 int lane_bits_for(double v) {
   int bits = 0;
-  while (bits < 5 && 2 << bits <= v) ++bits;
+  while (bits < 5 && 1 << bits < v) ++bits;
   return bits;
 }
 
@@ -69,7 +69,8 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block) {
 }
 
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads) {
-  constexpr double kThreads = 1 << 17;  // that fill a large GPU: beyond it, more lanes a ball only repeat work
+  constexpr double kThreads =
+      1 << 16;  // with fewer, a large GPU has too few warps to switch between: then several threads a ball
   std::vector<double> balls(grids.levels, 0);
   for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
 

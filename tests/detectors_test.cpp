@@ -370,6 +370,26 @@ TEST_P(Each, StaysExactWhenBallsMove) {
   }
 }
 
+// Radii that construction did not know, none above its rmax: equal ones, and a mixture.
+TEST_P(Each, StaysExactWithOtherRadii) {
+  small_packings_detail::Random random(11);
+  for (const char* name : {"mixture_c1", "mixture_c3"}) {
+    const std::vector<Ball> known = packing(name);
+    const PackingFacts facts = facts_of(known);
+    std::vector<Ball> shrunk = known, mixed = known, grown = known;
+    for (Ball& b : shrunk) b.r *= 0.8f;
+    for (Ball& b : mixed) b.r = random.between(0.3f * facts.rmax, facts.rmax);
+    for (Ball& b : grown) b.r = facts.rmax;
+    for (const auto& [what, balls] : {std::pair{"shrunk", &shrunk}, std::pair{"mixed", &mixed}, std::pair{"grown", &grown}}) {
+      const ContactList expected = all_pairs(*balls);
+      ASSERT_GT(expected.count(), 0) << what;
+      for (OutputForm form : kForms)
+        EXPECT_TRUE(equal(contacts_of(info(), *balls, facts, quick(info(), facts), form), expected))
+            << name << ", " << what << ", " << to_string(form);
+    }
+  }
+}
+
 // The same buffers again and again: what one run left, overflow included, must not reach the next.
 TEST_P(Each, StartsAfreshEachTime) {
   const std::vector<Ball> balls = packing("mixture_c2");
