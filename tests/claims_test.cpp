@@ -416,10 +416,6 @@ TEST(Ledger, OneNumberTurnsAVerdict) {
            if (paper_gpu(e["case"]) && e["case"]["n"] == 140063) e["case"]["cells"] = 9000;  // 64,257 at a million balls
        },
        "in part", "reproduced"},
-      {"sdk-unequal-radii", h100, cases([](json& c) {
-         if (c["detector"] == "sdk_sort") c["cell_cm"] = 1.0;
-       }),
-       "in part", "not reproduced"},
       {"judge-cell", h100,
        [](json& j) {
          j["context"]["touchstone"]["skipped"].push_back(
@@ -451,6 +447,19 @@ TEST(Ledger, AStudyTakenAwayIsNamed) {
     }
   }
   EXPECT_THAT(claims_table(judge_all(all, index), index).notes, ::testing::Contains(HasSubstr("no results of any machine")));
+}
+
+// What a detector refuses can't be counted as found or lost: only a study of cells below 2 rmax decides, both ways.
+TEST(Ledger, UnequalRadiiWaitForCellsBelowTwoLargestRadii) {
+  const std::string h100 = "nvidia-h100-80gb-hbm3/table2.json", cells = "nvidia-h100-80gb-hbm3/sdk_cells.json";
+  const Tree tree(false);
+  write_text(tree.root() / h100, without_samples(kResults / h100));
+  EXPECT_EQ(verdict("sdk-unequal-radii", tree.root()), kNotMeasured);
+  const json lost{{"study", "sdk_cells"}, {"detector", "sdk_sort"}, {"code", "mismatch"}};
+  write_text(tree.root() / cells, results_file("sdk_cells", {}, {lost}).dump());
+  EXPECT_EQ(verdict("sdk-unequal-radii", tree.root()), "in part");
+  write_text(tree.root() / cells, results_file("sdk_cells", {}).dump());
+  EXPECT_EQ(verdict("sdk-unequal-radii", tree.root()), "not reproduced");
 }
 
 // The paper's 128 slots hold up to 128 balls: that alone decides, not that 128 slots fit into the printed bytes.
