@@ -462,6 +462,16 @@ TEST(Ledger, UnequalRadiiWaitForCellsBelowTwoLargestRadii) {
   EXPECT_EQ(verdict("sdk-unequal-radii", tree.root()), "not reproduced");
 }
 
+// No detector here is a tree on the GPU: no command is given that could never decide.
+TEST(Ledger, TreesAreNotTestableHere) {
+  const Claims all = read_claims(kResults / "claims.json");
+  for (const Judgement& j : judge_all(all, read_results(kResults, "")))
+    if (j.claim->id == "trees-less-suitable") {
+      EXPECT_EQ(j.verdict, "not testable here");
+      EXPECT_EQ(j.refute, "nothing here measures trees yet");
+    }
+}
+
 // The paper's 128 slots hold up to 128 balls: that alone decides, not that 128 slots fit into the printed bytes.
 TEST(Ledger, CapacityIsJudgedByTheFullestCell) {
   for (const int fullest : {128, 129}) {
