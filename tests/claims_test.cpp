@@ -427,6 +427,14 @@ TEST(Ledger, OneNumberTurnsAVerdict) {
            if (paper_gpu(e["case"]) && e["case"]["n"] == 140063) e["case"]["cells"] = 9000;  // 64,257 at a million balls
        },
        "in part", "reproduced"},
+      {"same-over-repeated-runs", h100, cases([](json& c) {
+         if (c["detector"] == "sorted_grid" && c["n"] == 2969) c["contact_hash"] = "00000000000007e5";
+       }),
+       "reproduced", "in part"},
+      {"same-over-repeated-runs", h100, cases([](json& c) {
+         if (c["n"] == 140063 && c["detector"] == "multi_cell_bucket") c["n"] = 140064;  // fewer than 50 are left
+       }),
+       "reproduced", "in part"},
       {"sort-slower", ablation, cases([=](json& c) {
          if (paper_gpu(c) && c["packing"] == "c4_n50000") c["phases_us"]["broad"] = 100;
        }),
@@ -474,6 +482,16 @@ TEST(Ledger, UnequalRadiiWaitForCellsBelowTwoLargestRadii) {
   EXPECT_EQ(verdict("sdk-unequal-radii", tree.root()), "in part");
   write_text(tree.root() / cells, results_file("sdk_cells", {}).dump());
   EXPECT_EQ(verdict("sdk-unequal-radii", tree.root()), "not reproduced");
+}
+
+// What no committed record carries is not measured, though its thinner half is.
+TEST(Ledger, WhatNoRecordCarriesIsNotMeasured) {
+  for (const auto& [half, rest] : {std::pair{"same-over-repeated-runs", "same-over-repeated-simulations"},
+                                   {"any-cell-size", "cells-far-below-rmin"},
+                                   {"column-major", "column-major-coalesces"}}) {
+    EXPECT_NE(verdict(half, kResults), kNotMeasured) << half;
+    EXPECT_EQ(verdict(rest, kResults), kNotMeasured) << rest;
+  }
 }
 
 // No detector here is a tree on the GPU: no command is given that could never decide.
