@@ -56,7 +56,9 @@ CaseRunner::~CaseRunner() = default;
 std::string CaseRunner::mismatch_now() {
   const Detection& d = resident_->detection;
   const OrderedBalls& ordered = context_.ordered(case_.order);
-  if (case_.detector->finds == Finds::contacts) return mismatch(d, context_.reference(), resident_->stream, ordered.number);
+  if (case_.detector->finds == Finds::contacts)
+    return mismatch(d, context_.reference(), resident_->stream, ordered.number, &measurement_.contact_hash);
+  measurement_.contact_hash = context_.reference().hash;  // there is no list to take it from: the count is what is verified
   return count_mismatch(d, context_.reference(), case_.detector->finds, context_.packing.balls, context_.facts,
                         d.detector->params().cell);
 }
@@ -71,7 +73,6 @@ void CaseRunner::prepare() {
   if (const std::string difference = mismatch_now(); !difference.empty()) throw Mismatch(difference);
   measurement_.params = r.detection.detector->params();
   measurement_.report = r.detection.report;
-  measurement_.contact_hash = reference.hash;
   measurement_.verified_by = info.finds == Finds::contacts ? reference.by : "count";
   measurement_.retries = r.detection.retries;
   measurement_.bytes_peak = r.detection.bytes();

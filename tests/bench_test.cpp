@@ -69,6 +69,16 @@ TEST(CaseRunner, TakesNineRepetitionsOfAVerifiedDetector) {
   EXPECT_EQ(runner.measurement().flags.front(), "dirty");
 }
 
+// Lists of contacts decide; a record's hash is that of the list which the detector wrote, whatever else is thought to be right.
+TEST(CaseRunner, RecordsTheHashOfTheDetectorsOwnList) {
+  PackingContext context(chain(20));
+  const std::uint64_t right = context.reference().list.hash();
+  const_cast<Reference&>(context.reference()).hash = right ^ 1;
+  CaseRunner runner(serial_case(), Tuning{}, context, Profile::fast, {});
+  while (!runner.complete()) runner.repetition_us();
+  EXPECT_EQ(runner.measurement().contact_hash, right);
+}
+
 // Google Benchmark 1.8 renamed the members that say why a run failed; Debian 12 has 1.7.
 template <class Run>
 void fail(Run& run, const std::string& error) {
