@@ -70,7 +70,7 @@ void CaseRunner::prepare() {
   Resident& r = *resident_;
   r.detection = detect_completely(info, context_.ordered(case_.order).balls, context_.facts,
                                   params_of(case_, context_.facts, tuning_), case_.output, r.stream);
-  if (const std::string difference = mismatch_now(); !difference.empty()) throw Mismatch(difference);
+  if (const std::string difference = mismatch_now(); !difference.empty()) throw Mismatch(difference, info.label());
   measurement_.params = r.detection.detector->params();
   measurement_.report = r.detection.report;
   measurement_.verified_by = info.finds == Finds::contacts ? reference.by : "count";
@@ -119,7 +119,7 @@ void CaseRunner::finish() {
   Detection& d = resident_->detection;
   d.report = d.detector->report(d.output->view(), resident_->stream);
   const std::string difference = d.report.complete() ? mismatch_now() : d.report.text();
-  if (!difference.empty()) throw Mismatch("after timing: " + difference);
+  if (!difference.empty()) throw Mismatch("after timing: " + difference, case_.detector->label());
   if (case_.phases && on_gpu(*case_.detector))
     measurement_.phases_us = phase_times_us(resident_->work, resident_->stream, kPhaseSamples);
   const Quartiles q = quartiles(measurement_.samples_us);

@@ -33,7 +33,9 @@ class PackingContext {
 
 // A contact set that differs from the reference: no time is taken.
 struct Mismatch : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  explicit Mismatch(const std::string& difference, std::string label = {})
+      : std::runtime_error(difference), detector(std::move(label)) {}
+  std::string detector;  // label; "" where `what` names it
 };
 
 class CaseRunner {

@@ -79,6 +79,19 @@ TEST(CaseRunner, RecordsTheHashOfTheDetectorsOwnList) {
   EXPECT_EQ(runner.measurement().contact_hash, right);
 }
 
+// `touchstone detect` names it: with --config, or of the reference beside it, the detector is not the one of the command line.
+TEST(CaseRunner, AMismatchNamesTheDetectorThatDiffered) {
+  PackingContext context(chain(20));
+  const_cast<Reference&>(context.reference()).list.pairs.back() = {0, 19};
+  CaseRunner runner(serial_case(), Tuning{}, context, Profile::fast, {});
+  try {
+    runner.repetition_us();
+    FAIL() << "a wrong set was timed";
+  } catch (const Mismatch& e) {
+    EXPECT_EQ(e.detector, "serial_levels");
+  }
+}
+
 // Google Benchmark 1.8 renamed the members that say why a run failed; Debian 12 has 1.7.
 template <class Run>
 void fail(Run& run, const std::string& error) {
