@@ -6,6 +6,7 @@
 
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
+#include "bench/nvml.h"
 #include "reference_cpu/force_pass.h"
 #if defined(TOUCHSTONE_HAVE_CUDA)
 #include "kernels/device_facts.h"
@@ -47,8 +48,8 @@ struct CaseRunner::Resident {
 };
 
 CaseRunner::CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile,
-                       std::vector<std::string> flags)
-    : case_(c), tuning_(tuning), context_(context), profile_(profile) {
+                       std::vector<std::string> flags, EventReasons event_reasons)
+    : case_(c), tuning_(tuning), context_(context), profile_(profile), event_reasons_(std::move(event_reasons)) {
   measurement_.flags = std::move(flags);
 }
 CaseRunner::~CaseRunner() = default;
@@ -115,6 +116,8 @@ double CaseRunner::repetition_us() {
 }
 
 void CaseRunner::finish() {
+  if (event_reasons_)  // first of all: the clocks still are what the samples had
+    for (std::string& flag : event_flags(event_reasons_())) measurement_.flags.push_back(std::move(flag));
   // The timed runs must have done the work that was verified: what the last one wrote is compared again.
   Detection& d = resident_->detection;
   d.report = d.detector->report(d.output->view(), resident_->stream);

@@ -15,6 +15,7 @@ namespace touchstone {
 
 std::string gpu_name() { return ""; }
 Json gpu_state_json() { return nullptr; }
+std::optional<unsigned long long> gpu_event_reasons() { return std::nullopt; }
 Json device_json() { return nullptr; }
 Json calibration_json() { return nullptr; }
 int other_compute_processes() { return -1; }
@@ -62,6 +63,11 @@ std::string gpu_name() {
 
 // Asking for the bus makes no context, so our own process is not yet among those that are counted.
 int other_compute_processes() { return gpu_usable() ? read_nvml(pci_bus_id()).compute_processes.value_or(-1) : -1; }
+
+std::optional<unsigned long long> gpu_event_reasons() {
+  static const std::string bus = gpu_usable() ? pci_bus_id() : "";
+  return bus.empty() ? std::nullopt : read_event_reasons(bus);
+}
 
 Json gpu_state_json() {
   if (!gpu_usable()) return nullptr;

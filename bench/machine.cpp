@@ -146,6 +146,12 @@ std::vector<std::string> refusals(const Json& build, const Json& device, int oth
   return reasons;
 }
 
+std::string throttling_objection(std::size_t throttled_samples, std::size_t samples) {
+  if (100 * throttled_samples <= samples) return "";
+  return fmt::format("GPU throttled (heat, hardware slowdown or power brake) after cases with {} of {} samples",
+                     throttled_samples, samples);
+}
+
 std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device) {
   std::vector<std::string> flags;
   if (source["commit"] == "unknown") flags.push_back("commit_unknown");

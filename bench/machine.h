@@ -39,6 +39,9 @@ Json calibration_json();  // copy GB/s, empty launch us, event resolution ns; nu
 // Reasons to refuse before the first case (methodology: a tainted time is worse than none); empty if none.
 std::vector<std::string> refusals(const Json& build, const Json& device, int other_processes);
 
+// Why a run with these cases should not be quoted: more than 1 % of the kept samples are of cases flagged `throttled`. "" if not.
+std::string throttling_objection(std::size_t throttled_samples, std::size_t samples);
+
 // What to flag on every case of this run: "vm", "governor", "load", "dirty", …
 std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device);
 

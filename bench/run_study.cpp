@@ -9,6 +9,7 @@
 #include <set>
 
 #include "bench/detectors.h"
+#include "bench/gpu_facts.h"
 #include "bench/interrupt.h"
 #include "bench/machine.h"
 #include "bench/output_folder.h"
@@ -128,7 +129,8 @@ void StudyRun::register_case(const Case& c) {
   if (resume(c, record)) return;
   record.identity = identity_json(c, context.packing, context.facts, tuning);
   records_[name] = std::move(record);
-  runners_[name] = std::make_unique<CaseRunner>(c, tuning, context, options_.selection.profile, flags_);
+  runners_[name] = std::make_unique<CaseRunner>(c, tuning, context, options_.selection.profile, flags_,
+                                                on_gpu(*c.detector) ? gpu_event_reasons : EventReasons());
   ++registered_;
   benchmark::RegisterBenchmark(name.c_str(),
                                [this, c, tuning, name](benchmark::State& state) {
@@ -220,6 +222,9 @@ void StudyRun::finish() {
       why_not_.push_back(fmt::format("GPU throttled at {}: {}", when, gpu["event_reasons"].get<std::string>()));
   }
   journal_->append("run|" + run["id"].get<std::string>(), {{"taints", why_not_}});
+  // Not a taint of the run: the flags travel with the cases, and 1 % is of what the file holds in the end.
+  if (const std::string why = throttling_objection(file_->samples("throttled"), file_->samples()); !why.empty())
+    why_not_.push_back(why);
   for (const std::string& objection : provision_->objections()) why_not_.push_back(objection);
   taints_of_earlier_runs();
   const bool complete = file_->cases() == order_.size() + kept_ && file_->skipped() == 0;

@@ -92,6 +92,44 @@ TEST(CaseRunner, AMismatchNamesTheDetectorThatDiffered) {
   }
 }
 
+TEST(CaseRunner, AsksOnceAfterTheSamplesWhetherClocksWereHeldBack) {
+  PackingContext context(chain(20));
+  const auto flags = [&](std::optional<unsigned long long> reasons) {
+    int asked = 0;
+    CaseRunner runner(serial_case(), Tuning{}, context, Profile::fast, {}, [&] {
+      ++asked;
+      return reasons;
+    });
+    for (int k = 0; k < kRepetitions; ++k) {
+      EXPECT_EQ(asked, 0) << "within the samples";
+      runner.repetition_us();
+    }
+    EXPECT_EQ(asked, 1);
+    std::vector<std::string> list = runner.measurement().flags;
+    std::erase(list, "noise");
+    return list;
+  };
+  EXPECT_THAT(flags(0x1), ::testing::IsEmpty());  // idle
+  for (const unsigned long long reason : {0x8, 0x20, 0x40, 0x80})
+    EXPECT_THAT(flags(reason), ::testing::ElementsAre("throttled")) << reason;
+  EXPECT_THAT(flags(0x4 | 0x40), ::testing::ElementsAre("throttled", "sw_power_cap"));
+  EXPECT_THAT(flags(std::nullopt), ::testing::ElementsAre("throttle_unknown"));
+}
+
+TEST(Reporter, MoreThanOnePercentOfThrottledSamplesIsNotReportable) {
+  ResultsFile file("unwritten.json", {});
+  const auto add = [&](const std::string& name, int samples, const Json& flags) {
+    file.add(name, {{{"case", {{"sample_count", samples}, {"flags", flags}}}}, {{"case", {{"sample_count", samples}}}}});
+  };
+  add("cool", 9900, {"noise"});
+  add("hot", 100, {"dirty", "throttled"});
+  EXPECT_EQ(file.samples(), 10000u);
+  EXPECT_EQ(file.samples("throttled"), 100u);
+  EXPECT_EQ(throttling_objection(100, 10000), "");
+  EXPECT_THAT(throttling_objection(101, 10000), HasSubstr("101 of 10000 samples"));
+  EXPECT_EQ(throttling_objection(0, 0), "");
+}
+
 // Google Benchmark 1.8 renamed the members that say why a run failed; Debian 12 has 1.7.
 template <class Run>
 void fail(Run& run, const std::string& error) {
