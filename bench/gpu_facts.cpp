@@ -107,8 +107,9 @@ Json device_json() {
   j["runtime"] = runtime;
   j["ecc"] = r.ecc ? Json(*r.ecc) : Json(p.ECCEnabled != 0);
   j["mig"] = or_null(r.mig);
-  j["mps"] = std::getenv("CUDA_MPS_PIPE_DIRECTORY") ? Json(true) : Json(nullptr);  // only its environment can be seen
+  j["mps"] = mps_offered();
   j["persistence"] = or_null(r.persistence);
+  j["display_active"] = or_null(r.display_active);
   j["compute_mode"] = or_null(r.compute_mode);
   j["power_limit_w"] = or_null(r.power_limit_w);
   j["max_sm_mhz"] = or_null(r.max_sm_mhz);

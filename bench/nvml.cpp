@@ -77,6 +77,7 @@ NvmlReading read_nvml(const std::string& pci_bus_id) {
   r.ecc = first_of_two(nvml, "nvmlDeviceGetEccMode", device);
   r.mig = first_of_two(nvml, "nvmlDeviceGetMigMode", device);
   r.persistence = scaled<bool>(nvml.ask<unsigned>("nvmlDeviceGetPersistenceMode", device));
+  r.display_active = scaled<bool>(nvml.ask<unsigned>("nvmlDeviceGetDisplayActive", device));
   r.compute_mode = scaled<int>(nvml.ask<unsigned>("nvmlDeviceGetComputeMode", device));
   r.temperature_c = scaled<double>(nvml.ask<unsigned>("nvmlDeviceGetTemperature", device, kTemperatureGpu));
   r.power_w = scaled<double>(nvml.ask<unsigned>("nvmlDeviceGetPowerUsage", device), 1e-3);

@@ -11,7 +11,7 @@ namespace touchstone {
 struct NvmlReading {
   std::optional<std::string> driver;
   std::optional<int> compute_processes;
-  std::optional<bool> ecc, mig, persistence;
+  std::optional<bool> ecc, mig, persistence, display_active;
   std::optional<int> compute_mode;
   std::optional<double> temperature_c, power_w, power_limit_w;
   std::optional<int> sm_mhz, memory_mhz, max_sm_mhz, max_memory_mhz, pcie_generation, pcie_width;

@@ -26,6 +26,10 @@ std::filesystem::path results_path(const RunOptions& options) {
   return options.out.extension() == ".json" ? options.out : options.out / (options.study + ".json");
 }
 
+// Journal, results file and the file it replaces, each with nine entries and all samples of a case: committed ones take 15 to 25
+// KB.
+constexpr std::size_t kBytesACase = 3 * 32 * 1024;
+
 // Fails a repetition from inside its loop: Google Benchmark 1.7 aborts if the repetitions of a case, failed ones included,
 // have not run equally often.
 void skip(benchmark::State& state, const std::string& error) {
@@ -83,13 +87,15 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   path_ = results_path(options);
   const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
   require_writable_folder(folder);
+  require_space(folder, cases_.size() * kBytesACase);
   lock_ = std::make_unique<FolderLock>(folder);
   source_ = source_json();
   build_ = build_json();
   host_ = host_json();
   host_["openmp_threads"] = omp_get_max_threads();
   device_ = device_json();
-  flags_ = run_flags(source_, host_, device_);
+  const Json start = state_json();
+  flags_ = run_flags(source_, host_, device_, start["load_1min"], others);
   for (const std::string& reason : refusals(build_, device_, others)) {
     if (!options.force) throw InputError(reason + "; --force measures all the same, and the record says so");
     why_not_.push_back("forced: " + reason);
@@ -111,7 +117,7 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   t["host"] = host_;
   t["device"] = device_;
   t["calibration"] = calibration_json();
-  t["state"] = {{"start", state_json()}};
+  t["state"] = {{"start", start}};
   t["timed_region"] = "positions and radii resident -> contact list complete: clears, build, search; no allocation, no transfer";
   file_ = std::make_unique<ResultsFile>(path_, std::move(t));
 }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <set>
 
 #include "bench/case_runner.h"
@@ -10,6 +12,7 @@
 #include "bench/expected.h"
 #include "bench/machine.h"
 #include "bench/order.h"
+#include "bench/output_folder.h"
 #include "bench/provision.h"
 #include "bench/reporter.h"
 #include "bench/study.h"
@@ -382,6 +385,72 @@ TEST(Case, PaperRuleAndBestChooseTheCell) {
 TEST(Machine, SlugsNameFolders) {
   EXPECT_EQ(slug("NVIDIA H100 80GB HBM3"), "nvidia-h100-80gb-hbm3");
   EXPECT_EQ(slug("Intel(R) Xeon(R) CPU @ 2.00GHz"), "intel-r-xeon-r-cpu-2-00ghz");
+}
+
+// Each row of conditions that make a time less than it seems: on, off, and not to be read.
+TEST(Machine, EveryConditionIsFlaggedOrSaidToBeUnknown) {
+  const Json source{{"commit", "abc"}, {"dirty", false}};
+  const Json host{{"virtual_machine", false}, {"governor", "performance"}, {"boost", "0"}, {"aslr", false}};
+  const Json device{{"driver", "580"}, {"mig", nullptr}, {"mps", false}, {"persistence", true}, {"display_active", false}};
+  const auto with = [](Json j, const char* key, const Json& value) {
+    j[key] = value;
+    return j;
+  };
+  const auto flags = [&](const Json& h, const Json& d, double load = 1, int others = 0) {
+    return run_flags(source, h, d, load, others);
+  };
+  using ::testing::ElementsAre;
+  EXPECT_THAT(flags(host, nullptr), ::testing::IsEmpty());
+  EXPECT_THAT(flags(with(host, "boost", "1"), nullptr), ElementsAre("boost"));
+  EXPECT_THAT(flags(with(host, "boost", nullptr), nullptr), ElementsAre("boost_unknown"));
+  EXPECT_THAT(flags(with(host, "aslr", true), nullptr), ElementsAre("aslr"));
+  EXPECT_THAT(flags(with(host, "aslr", nullptr), nullptr), ElementsAre("aslr_unknown"));
+  EXPECT_THAT(flags(with(host, "governor", "powersave"), nullptr), ElementsAre("governor_powersave"));
+  EXPECT_THAT(flags(host, nullptr, 1.01), ElementsAre("load")) << "of however many cores";
+  EXPECT_THAT(flags(host, nullptr, -1), ElementsAre("load_unknown"));
+  const char* const lock = "clock_lock_unknown";
+  EXPECT_THAT(flags(host, device), ElementsAre(lock));
+  EXPECT_THAT(flags(host, with(device, "mps", true)), ElementsAre("mps", lock));
+  EXPECT_THAT(flags(host, with(device, "persistence", false)), ElementsAre("persistence_off", lock));
+  EXPECT_THAT(flags(host, with(device, "persistence", nullptr)), ElementsAre("persistence_unknown", lock));
+  EXPECT_THAT(flags(host, with(device, "display_active", true)), ElementsAre("display_active", lock));
+  EXPECT_THAT(flags(host, with(device, "display_active", nullptr)), ElementsAre("display_active_unknown", lock));
+  EXPECT_THAT(flags(host, with(device, "driver", nullptr)), ElementsAre("mig_unknown", lock));
+  EXPECT_THAT(flags(host, device, 0, -1), ElementsAre("other_processes_unknown", lock));
+}
+
+TEST(Machine, TellsWhatTheKernelSays) {
+  const Json host = host_json();
+  std::ifstream file("/proc/sys/kernel/randomize_va_space");
+  int mode = -1;
+  if (file >> mode && mode == 0) {
+    EXPECT_EQ(host["aslr"], false);
+  } else if (mode > 0) {
+    EXPECT_TRUE(host["aslr"].is_boolean());
+  }
+  const TemporaryFolder folder;
+  setenv("CUDA_MPS_PIPE_DIRECTORY", folder.path().c_str(), 1);
+  EXPECT_FALSE(mps_offered()) << "a variable alone is no service";
+  testing::write_text(folder.path() / "control", "");
+  EXPECT_TRUE(mps_offered());
+  unsetenv("CUDA_MPS_PIPE_DIRECTORY");
+}
+
+TEST(Machine, CodeForTheDebuggerIsRefused) {
+  Json build{{"type", "Release"}, {"sanitizer", nullptr}, {"cuda_flags", "-O3 --fmad=false -Gx"}};
+  EXPECT_THAT(refusals(build, nullptr, 0), ::testing::IsEmpty());
+  for (const char* flag : {" -G", " --device-debug"}) {
+    build["cuda_flags"] = std::string("-O3") + flag;
+    EXPECT_THAT(refusals(build, nullptr, 0), ::testing::ElementsAre(HasSubstr("debugger"))) << flag;
+  }
+  build["cuda_flags"] = nullptr;
+  EXPECT_THAT(refusals(build, nullptr, 0), ::testing::IsEmpty());
+}
+
+TEST(OutputFolder, ADiskTooSmallIsToldBeforeTheFirstCase) {
+  const TemporaryFolder folder;
+  EXPECT_NO_THROW(require_space(folder.path(), 1));
+  EXPECT_THROW(require_space(folder.path(), std::uintmax_t{1} << 62), InputError);
 }
 
 }  // namespace
