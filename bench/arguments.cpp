@@ -35,7 +35,7 @@ Packing packing_argument(const std::string& file, const std::string& spec, std::
   if (file.empty() == spec.empty()) throw InputError("give either --packing FILE or --spec n=…,c=…");
   if (!file.empty()) return packing_file_argument(file, timestep).packing;
   if (timestep) throw InputError("--timestep goes with --packing");
-  Packing packing = load_or_make(parse_spec(spec), default_packing_folder());
+  Packing packing = load_or_make(parse_spec(spec), source_packing_folder());
   validate(packing.balls, spec);
   return packing;
 }

@@ -77,7 +77,7 @@ double cell_of(const Tuning& tuning, const PackingFacts& facts);
 struct Measurement {
   DetectorParams params;  // as used
   DetectorReport report;
-  std::uint64_t contact_hash = 0;
+  std::uint64_t contact_hash = 0;  // of the detector's own list after its last sample; of the packing's where verified by count
   std::string verified_by;
   int retries = 0;
   std::int64_t bytes_peak = 0;

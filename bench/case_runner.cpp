@@ -6,6 +6,7 @@
 
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
+#include "bench/nvml.h"
 #include "reference_cpu/force_pass.h"
 #if defined(TOUCHSTONE_HAVE_CUDA)
 #include "kernels/device_facts.h"
@@ -47,8 +48,8 @@ struct CaseRunner::Resident {
 };
 
 CaseRunner::CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile,
-                       std::vector<std::string> flags)
-    : case_(c), tuning_(tuning), context_(context), profile_(profile) {
+                       std::vector<std::string> flags, EventReasons event_reasons)
+    : case_(c), tuning_(tuning), context_(context), profile_(profile), event_reasons_(std::move(event_reasons)) {
   measurement_.flags = std::move(flags);
 }
 CaseRunner::~CaseRunner() = default;
@@ -56,7 +57,9 @@ CaseRunner::~CaseRunner() = default;
 std::string CaseRunner::mismatch_now() {
   const Detection& d = resident_->detection;
   const OrderedBalls& ordered = context_.ordered(case_.order);
-  if (case_.detector->finds == Finds::contacts) return mismatch(d, context_.reference(), resident_->stream, ordered.number);
+  if (case_.detector->finds == Finds::contacts)
+    return mismatch(d, context_.reference(), resident_->stream, ordered.number, &measurement_.contact_hash);
+  measurement_.contact_hash = context_.reference().hash;  // there is no list to take it from: the count is what is verified
   return count_mismatch(d, context_.reference(), case_.detector->finds, context_.packing.balls, context_.facts,
                         d.detector->params().cell);
 }
@@ -68,10 +71,9 @@ void CaseRunner::prepare() {
   Resident& r = *resident_;
   r.detection = detect_completely(info, context_.ordered(case_.order).balls, context_.facts,
                                   params_of(case_, context_.facts, tuning_), case_.output, r.stream);
-  if (const std::string difference = mismatch_now(); !difference.empty()) throw Mismatch(difference);
+  if (const std::string difference = mismatch_now(); !difference.empty()) throw Mismatch(difference, info.label());
   measurement_.params = r.detection.detector->params();
   measurement_.report = r.detection.report;
-  measurement_.contact_hash = reference.hash;
   measurement_.verified_by = info.finds == Finds::contacts ? reference.by : "count";
   measurement_.retries = r.detection.retries;
   measurement_.bytes_peak = r.detection.bytes();
@@ -114,11 +116,13 @@ double CaseRunner::repetition_us() {
 }
 
 void CaseRunner::finish() {
+  if (event_reasons_)  // first of all: the clocks still are what the samples had
+    for (std::string& flag : event_flags(event_reasons_())) measurement_.flags.push_back(std::move(flag));
   // The timed runs must have done the work that was verified: what the last one wrote is compared again.
   Detection& d = resident_->detection;
   d.report = d.detector->report(d.output->view(), resident_->stream);
   const std::string difference = d.report.complete() ? mismatch_now() : d.report.text();
-  if (!difference.empty()) throw Mismatch("after timing: " + difference);
+  if (!difference.empty()) throw Mismatch("after timing: " + difference, case_.detector->label());
   if (case_.phases && on_gpu(*case_.detector))
     measurement_.phases_us = phase_times_us(resident_->work, resident_->stream, kPhaseSamples);
   const Quartiles q = quartiles(measurement_.samples_us);

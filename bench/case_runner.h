@@ -1,8 +1,10 @@
 // One case from upload to samples: verified first, then timed in repetitions.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "bench/case.h"
 #include "bench/study.h"
@@ -33,13 +35,20 @@ class PackingContext {
 
 // A contact set that differs from the reference: no time is taken.
 struct Mismatch : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  explicit Mismatch(const std::string& difference, std::string label = {})
+      : std::runtime_error(difference), detector(std::move(label)) {}
+  std::string detector;  // label; "" where `what` names it
 };
+
+// Bits of nvmlClocksEventReasons, empty where unknown.
+using EventReasons = std::function<std::optional<unsigned long long>()>;
 
 class CaseRunner {
  public:
-  // `tuning` is used by Protocol::best; `flags` are the run's, the case adds its own.
-  CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile, std::vector<std::string> flags);
+  // `tuning` is used by Protocol::best; `flags` are the run's, the case adds its own. `event_reasons`, where given, is asked
+  // once, after the last sample: a case that a throttled clock may have slowed says so.
+  CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile, std::vector<std::string> flags,
+             EventReasons event_reasons = {});
   ~CaseRunner();
 
   // Takes one repetition and returns the median of its samples, us. The first call uploads, detects, verifies and warms up;
@@ -58,6 +67,7 @@ class CaseRunner {
   Tuning tuning_;
   PackingContext& context_;
   Profile profile_;
+  EventReasons event_reasons_;
   Measurement measurement_;
   std::unique_ptr<Resident> resident_;
   int repetitions_ = 0, samples_ = 0;

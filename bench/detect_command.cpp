@@ -152,7 +152,7 @@ void add_detect_command(CLI::App& app, int& exit_code) {
     try {
       exit_code = detect(*o);
     } catch (const Mismatch& e) {
-      fmt::print(stderr, "touchstone: {}: contact set differs from the reference: {}\n", o->detector, e.what());
+      fmt::print(stderr, "touchstone: {}: contact set differs from the reference: {}\n", e.detector, e.what());
       exit_code = kExitMismatch;
     }
   });

@@ -15,6 +15,7 @@ namespace touchstone {
 
 std::string gpu_name() { return ""; }
 Json gpu_state_json() { return nullptr; }
+std::optional<unsigned long long> gpu_event_reasons() { return std::nullopt; }
 Json device_json() { return nullptr; }
 Json calibration_json() { return nullptr; }
 int other_compute_processes() { return -1; }
@@ -63,6 +64,11 @@ std::string gpu_name() {
 // Asking for the bus makes no context, so our own process is not yet among those that are counted.
 int other_compute_processes() { return gpu_usable() ? read_nvml(pci_bus_id()).compute_processes.value_or(-1) : -1; }
 
+std::optional<unsigned long long> gpu_event_reasons() {
+  static const std::string bus = gpu_usable() ? pci_bus_id() : "";
+  return bus.empty() ? std::nullopt : read_event_reasons(bus);
+}
+
 Json gpu_state_json() {
   if (!gpu_usable()) return nullptr;
   const NvmlReading r = read_nvml(pci_bus_id());
@@ -101,8 +107,9 @@ Json device_json() {
   j["runtime"] = runtime;
   j["ecc"] = r.ecc ? Json(*r.ecc) : Json(p.ECCEnabled != 0);
   j["mig"] = or_null(r.mig);
-  j["mps"] = std::getenv("CUDA_MPS_PIPE_DIRECTORY") ? Json(true) : Json(nullptr);  // only its environment can be seen
+  j["mps"] = mps_offered();
   j["persistence"] = or_null(r.persistence);
+  j["display_active"] = or_null(r.display_active);
   j["compute_mode"] = or_null(r.compute_mode);
   j["power_limit_w"] = or_null(r.power_limit_w);
   j["max_sm_mhz"] = or_null(r.max_sm_mhz);

@@ -1,12 +1,14 @@
 #include "bench/machine.h"
 
 #include <fmt/format.h>
+#include <sys/personality.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
 #include <cctype>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -48,6 +50,27 @@ Json or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Js
 double load_1min() {
   double load = 0;
   return getloadavg(&load, 1) == 1 ? load : -1;
+}
+
+// "1": on, "0": off, "": the kernel does not say. Intel's driver tells the opposite, no_turbo.
+std::string boost() {
+  if (const std::string on = first_line("/sys/devices/system/cpu/cpufreq/boost"); !on.empty()) return on;
+  const std::string off = first_line("/sys/devices/system/cpu/intel_pstate/no_turbo");
+  return off.empty() ? "" : off == "0" ? "1" : "0";
+}
+
+// Whether this process has its addresses randomised; null if the kernel does not say.
+Json aslr() {
+  const std::string mode = first_line("/proc/sys/kernel/randomize_va_space");
+  if (mode.empty()) return nullptr;
+  constexpr unsigned long kAskOnly = 0xffffffff;
+  const int persona = personality(kAskOnly);
+  return mode != "0" && !(persona >= 0 && (persona & ADDR_NO_RANDOMIZE));
+}
+
+// Among compiler flags as CMake joins them.
+bool has_flag(const Json& flags, const std::string& flag) {
+  return flags.is_string() && (" " + flags.get<std::string>() + " ").find(" " + flag + " ") != std::string::npos;
 }
 
 }  // namespace
@@ -122,8 +145,16 @@ Json host_json() {
   j["distribution"] = or_null(value_of("/etc/os-release", "PRETTY_NAME", '='));
   j["governor"] = or_null(governor);
   j["virtual_machine"] = flags.find(" hypervisor") != std::string::npos;
-  j["boost"] = or_null(first_line("/sys/devices/system/cpu/cpufreq/boost"));
+  j["boost"] = or_null(boost());
+  j["aslr"] = aslr();
   return j;
+}
+
+bool mps_offered() {
+  const char* stated = std::getenv("CUDA_MPS_PIPE_DIRECTORY");
+  const std::filesystem::path folder = stated && *stated ? stated : "/tmp/nvidia-mps";
+  std::error_code unreachable;
+  return std::filesystem::exists(folder / "control", unreachable);
 }
 
 Json state_json() {
@@ -140,13 +171,44 @@ std::vector<std::string> refusals(const Json& build, const Json& device, int oth
     reasons.push_back(fmt::format("build type '{}': times of an unoptimised build mean nothing (use Release)",
                                   build["type"].get<std::string>()));
   if (!build["sanitizer"].is_null()) reasons.push_back("sanitizer build");
+  if (has_flag(build.value("cuda_flags", Json()), "-G") || has_flag(build.value("cuda_flags", Json()), "--device-debug"))
+    reasons.push_back("device code built for the debugger (-G)");
   if (other_processes > 0) reasons.push_back(fmt::format("{} other compute process(es) on the GPU", other_processes));
   if (device.is_object() && device.value("mig", Json(nullptr)) == true)
     reasons.push_back("the GPU is in MIG mode: a slice, not a card");
   return reasons;
 }
 
-std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device) {
+std::string throttling_objection(std::size_t throttled_samples, std::size_t samples) {
+  if (100 * throttled_samples <= samples) return "";
+  return fmt::format("GPU throttled (heat, hardware slowdown or power brake) after cases with {} of {} samples",
+                     throttled_samples, samples);
+}
+
+namespace {
+
+// Flags `name` where the fact is true, `name`_unknown where nobody could say.
+void flag_fact(std::vector<std::string>& flags, const Json& fact, const std::string& name) {
+  if (fact.is_null())
+    flags.push_back(name + "_unknown");
+  else if (fact == true)
+    flags.push_back(name);
+}
+
+void flag_device(std::vector<std::string>& flags, const Json& device, int other_processes) {
+  if (other_processes < 0) flags.push_back("other_processes_unknown");
+  // A card without MIG does not answer; nor does any where NVML, which names the driver, is absent.
+  if (device.value("driver", Json()).is_null() && device.value("mig", Json()).is_null()) flags.push_back("mig_unknown");
+  flag_fact(flags, device.value("mps", Json()), "mps");
+  const Json persistence = device.value("persistence", Json());
+  if (persistence != true) flags.push_back(persistence.is_null() ? "persistence_unknown" : "persistence_off");
+  flag_fact(flags, device.value("display_active", Json()), "display_active");
+  flags.push_back("clock_lock_unknown");  // NVML sets locked clocks, and has no question for them
+}
+
+}  // namespace
+
+std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device, double load, int other_processes) {
   std::vector<std::string> flags;
   if (source["commit"] == "unknown") flags.push_back("commit_unknown");
   if (source["dirty"] == true) flags.push_back("dirty");
@@ -155,9 +217,12 @@ std::vector<std::string> run_flags(const Json& source, const Json& host, const J
     flags.push_back("governor_unknown");
   else if (host["governor"] != "performance")
     flags.push_back("governor_" + host["governor"].get<std::string>());
-  // Other tasks than ours take cores from the detectors that use all: half of them is a disturbance, one of many is not.
-  if (load_1min() > 0.5 * host["cores"].get<double>()) flags.push_back("load");
-  if (device.is_object() && device["persistence"] == false) flags.push_back("persistence_off");
+  const Json boost = host.value("boost", Json());
+  flag_fact(flags, boost.is_null() ? Json() : Json(boost != "0"), "boost");
+  flag_fact(flags, host.value("aslr", Json()), "aslr");
+  if (load < 0) flags.push_back("load_unknown");
+  if (load > 1) flags.push_back("load");
+  if (device.is_object()) flag_device(flags, device, other_processes);
   return flags;
 }
 

@@ -24,8 +24,12 @@ std::string source_key();
 
 Json build_json();
 
-// CPU model, cores, memory, kernel, distribution, governor, virtual machine; load now.
+// CPU model, cores, memory, kernel, distribution, governor, virtual machine, boost ("1": on), whether addresses are randomised.
 Json host_json();
+
+// Whether CUDA's multi-process service would take this process in: its control pipe is there, in $CUDA_MPS_PIPE_DIRECTORY or
+// where CUDA looks else.
+bool mps_offered();
 
 // One reading of what changes during a run: load; GPU temperature, clocks, event (throttle) reasons. Null where absent.
 Json state_json();
@@ -39,8 +43,12 @@ Json calibration_json();  // copy GB/s, empty launch us, event resolution ns; nu
 // Reasons to refuse before the first case (methodology: a tainted time is worse than none); empty if none.
 std::vector<std::string> refusals(const Json& build, const Json& device, int other_processes);
 
-// What to flag on every case of this run: "vm", "governor", "load", "dirty", …
-std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device);
+// Why a run with these cases should not be quoted: more than 1 % of the kept samples are of cases flagged `throttled`. "" if not.
+std::string throttling_objection(std::size_t throttled_samples, std::size_t samples);
+
+// What to flag on every case of this run: "virtual_machine", "governor_…", "load", "dirty", …; "…_unknown" where a fact that
+// would be flagged cannot be read. `load` is that of the last minute, below 0 if unknown; `other_processes` as above.
+std::vector<std::string> run_flags(const Json& source, const Json& host, const Json& device, double load, int other_processes);
 
 std::string utc_now();  // "2026-01-31T12:00:00Z"
 

@@ -77,6 +77,7 @@ NvmlReading read_nvml(const std::string& pci_bus_id) {
   r.ecc = first_of_two(nvml, "nvmlDeviceGetEccMode", device);
   r.mig = first_of_two(nvml, "nvmlDeviceGetMigMode", device);
   r.persistence = scaled<bool>(nvml.ask<unsigned>("nvmlDeviceGetPersistenceMode", device));
+  r.display_active = scaled<bool>(nvml.ask<unsigned>("nvmlDeviceGetDisplayActive", device));
   r.compute_mode = scaled<int>(nvml.ask<unsigned>("nvmlDeviceGetComputeMode", device));
   r.temperature_c = scaled<double>(nvml.ask<unsigned>("nvmlDeviceGetTemperature", device, kTemperatureGpu));
   r.power_w = scaled<double>(nvml.ask<unsigned>("nvmlDeviceGetPowerUsage", device), 1e-3);
@@ -91,9 +92,17 @@ NvmlReading read_nvml(const std::string& pci_bus_id) {
   return r;
 }
 
+std::optional<unsigned long long> read_event_reasons(const std::string& pci_bus_id) {
+  static const Library nvml;
+  Device device = nullptr;
+  if (!nvml.ready() || !nvml.call("nvmlDeviceGetHandleByPciBusId_v2", pci_bus_id.c_str(), &device)) return std::nullopt;
+  return nvml.ask<unsigned long long>("nvmlDeviceGetCurrentClocksThrottleReasons", device);
+}
+
+constexpr unsigned long long kSoftwarePowerCap = 0x4;
 constexpr std::pair<unsigned long long, const char*> kReasons[] = {{0x1, "idle"},
                                                                    {0x2, "applications_clocks_setting"},
-                                                                   {0x4, "sw_power_cap"},
+                                                                   {kSoftwarePowerCap, "sw_power_cap"},
                                                                    {0x8, "hw_slowdown"},
                                                                    {0x10, "sync_boost"},
                                                                    {0x20, "sw_thermal_slowdown"},
@@ -109,5 +118,13 @@ std::string event_reason_names(unsigned long long reasons) {
 }
 
 bool is_throttled(unsigned long long reasons) { return (reasons & (0x8 | 0x20 | 0x40 | 0x80)) != 0; }
+
+std::vector<std::string> event_flags(const std::optional<unsigned long long>& reasons) {
+  if (!reasons) return {"throttle_unknown"};
+  std::vector<std::string> flags;
+  if (is_throttled(*reasons)) flags.push_back("throttled");
+  if (*reasons & kSoftwarePowerCap) flags.push_back("sw_power_cap");
+  return flags;
+}
 
 }  // namespace touchstone

@@ -23,6 +23,14 @@ void require_writable_file(const std::filesystem::path& file) {
   require_writable_folder(file.has_parent_path() ? file.parent_path() : ".");
 }
 
+void require_space(const std::filesystem::path& folder, std::uintmax_t bytes) {
+  std::error_code unknown;
+  const std::filesystem::space_info space = std::filesystem::space(folder, unknown);
+  if (!unknown && space.available < bytes)
+    throw InputError(fmt::format("{}: {} MB free, {} MB needed for the results; make room, or choose another --out",
+                                 folder.string(), space.available >> 20, (bytes >> 20) + 1));
+}
+
 FolderLock::FolderLock(const std::filesystem::path& folder)
     : FileLock(folder / ".lock", [&folder] {
         throw InputError(

@@ -32,7 +32,7 @@ struct PackOptions {
 };
 
 std::filesystem::path folder_of(const PackOptions& o) {
-  return o.folder.empty() ? default_packing_folder() : std::filesystem::path(o.folder);
+  return o.folder.empty() ? source_packing_folder() : std::filesystem::path(o.folder);
 }
 
 // Those of a file of specs, of datasets/specs/<set>.json, or of the study of that name.

@@ -38,7 +38,7 @@ double Needs::tuning_seconds() const { return kTuningSeconds * tunings; }
 
 Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& packing_folder, Profile profile,
                std::int32_t tuning_n) {
-  const std::filesystem::path folder = packing_folder.empty() ? default_packing_folder() : packing_folder;
+  const std::filesystem::path folder = packing_folder.empty() ? source_packing_folder() : packing_folder;
   Needs needs;
   std::set<std::string> packings, tunings;
   const auto add = [&](const PackingSpec& spec) {
@@ -56,7 +56,7 @@ Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& pack
 
 Provision::Provision(std::filesystem::path packing_folder, Profile profile, std::int32_t tuning_n, Journal& journal,
                      std::string key_prefix)
-    : folder_(packing_folder.empty() ? default_packing_folder() : std::move(packing_folder)),
+    : folder_(packing_folder.empty() ? source_packing_folder() : std::move(packing_folder)),
       profile_(profile),
       tuning_n_(tuning_n),
       journal_(journal),

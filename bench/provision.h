@@ -25,7 +25,7 @@ struct Needs {
   double packing_seconds() const;  // of those to be made, on two cores, roughly
   double tuning_seconds() const;
 };
-// `packing_folder` empty: default_packing_folder().
+// `packing_folder` empty: source_packing_folder().
 Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& packing_folder, Profile profile,
                std::int32_t tuning_n);
 

@@ -37,6 +37,8 @@ std::optional<report::Ledger> judged(const ReportOptions& o) {
 }
 
 int write_report(const ReportOptions& o) {
+  if (!o.local.empty() && !std::filesystem::is_directory(o.local))
+    throw InputError(fmt::format("--local {}: no folder of results; bench_detect makes build/results", o.local.string()));
   const std::optional<report::Ledger> ledger = judged(o);
   const report::Contents contents = report::contents({o.results, o.local, o.out, ledger});
   std::filesystem::create_directories(o.out);

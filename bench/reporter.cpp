@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -29,6 +30,17 @@ void ResultsFile::skip(Json identity, const std::string& code, const std::string
   identity["code"] = code;
   identity["message"] = message;
   skipped_.push_back(std::move(identity));
+}
+
+std::size_t ResultsFile::samples(const std::string& flag) const {
+  std::size_t count = 0;
+  for (const auto& [name, entries] : entries_) {
+    const Json& c = entries.at(0).at("case");
+    const Json flags = c.value("flags", Json::array());
+    if (flag.empty() || std::find(flags.begin(), flags.end(), flag) != flags.end())
+      count += c.value("sample_count", std::size_t{0});
+  }
+  return count;
 }
 
 void ResultsFile::write(const std::vector<std::string>& names) const {

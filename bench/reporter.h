@@ -36,6 +36,9 @@ class ResultsFile {
   std::size_t skipped() const { return skipped_.size(); }
   const Json& skipped_cases() const { return skipped_; }
 
+  // Samples of all cases, or of those with this flag.
+  std::size_t samples(const std::string& flag = {}) const;
+
   // Writes the whole file atomically, entries in the order of `names`. Never a row of a skipped case.
   void write(const std::vector<std::string>& names) const;
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "bench/detectors.h"
+#include "bench/gpu_facts.h"
 #include "bench/interrupt.h"
 #include "bench/machine.h"
 #include "bench/output_folder.h"
@@ -24,6 +25,10 @@ std::filesystem::path results_path(const RunOptions& options) {
   if (options.out.empty()) return source_folder() / "build/results" / machine_slug() / (options.study + ".json");
   return options.out.extension() == ".json" ? options.out : options.out / (options.study + ".json");
 }
+
+// Journal, results file and the file it replaces, each with nine entries and all samples of a case: committed ones take 15 to 25
+// KB.
+constexpr std::size_t kBytesACase = 3 * 32 * 1024;
 
 // Fails a repetition from inside its loop: Google Benchmark 1.7 aborts if the repetitions of a case, failed ones included,
 // have not run equally often.
@@ -82,13 +87,15 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   path_ = results_path(options);
   const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
   require_writable_folder(folder);
+  require_space(folder, cases_.size() * kBytesACase);
   lock_ = std::make_unique<FolderLock>(folder);
   source_ = source_json();
   build_ = build_json();
   host_ = host_json();
   host_["openmp_threads"] = omp_get_max_threads();
   device_ = device_json();
-  flags_ = run_flags(source_, host_, device_);
+  const Json start = state_json();
+  flags_ = run_flags(source_, host_, device_, start["load_1min"], others);
   for (const std::string& reason : refusals(build_, device_, others)) {
     if (!options.force) throw InputError(reason + "; --force measures all the same, and the record says so");
     why_not_.push_back("forced: " + reason);
@@ -110,7 +117,7 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   t["host"] = host_;
   t["device"] = device_;
   t["calibration"] = calibration_json();
-  t["state"] = {{"start", state_json()}};
+  t["state"] = {{"start", start}};
   t["timed_region"] = "positions and radii resident -> contact list complete: clears, build, search; no allocation, no transfer";
   file_ = std::make_unique<ResultsFile>(path_, std::move(t));
 }
@@ -128,7 +135,8 @@ void StudyRun::register_case(const Case& c) {
   if (resume(c, record)) return;
   record.identity = identity_json(c, context.packing, context.facts, tuning);
   records_[name] = std::move(record);
-  runners_[name] = std::make_unique<CaseRunner>(c, tuning, context, options_.selection.profile, flags_);
+  runners_[name] = std::make_unique<CaseRunner>(c, tuning, context, options_.selection.profile, flags_,
+                                                on_gpu(*c.detector) ? gpu_event_reasons : EventReasons());
   ++registered_;
   benchmark::RegisterBenchmark(name.c_str(),
                                [this, c, tuning, name](benchmark::State& state) {
@@ -220,6 +228,9 @@ void StudyRun::finish() {
       why_not_.push_back(fmt::format("GPU throttled at {}: {}", when, gpu["event_reasons"].get<std::string>()));
   }
   journal_->append("run|" + run["id"].get<std::string>(), {{"taints", why_not_}});
+  // Not a taint of the run: the flags travel with the cases, and 1 % is of what the file holds in the end.
+  if (const std::string why = throttling_objection(file_->samples("throttled"), file_->samples()); !why.empty())
+    why_not_.push_back(why);
   for (const std::string& objection : provision_->objections()) why_not_.push_back(objection);
   taints_of_earlier_runs();
   const bool complete = file_->cases() == order_.size() + kept_ && file_->skipped() == 0;

@@ -14,7 +14,7 @@ struct RunOptions {
   StudyOptions selection;
   std::string profile_name = "default";
   std::filesystem::path out;             // folder or .json file; empty: build/results/<machine>/<study>.json
-  std::filesystem::path packing_folder;  // empty: default_packing_folder()
+  std::filesystem::path packing_folder;  // empty: source_packing_folder()
   std::int32_t tuning_n = 0;             // balls of the tuning packing; 0: the profile's
   bool fresh = false;                    // measure again what the journal holds
   bool force = false;                    // measure in spite of a refusal; the record says so

@@ -45,14 +45,15 @@ Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts)
   return r;
 }
 
-std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream,
-                     std::span<const std::int32_t> number) {
+std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream, std::span<const std::int32_t> number,
+                     std::uint64_t* found_hash) {
   ContactList found;
   try {
     found = renumbered(detection.output->download(stream), number);
   } catch (const std::logic_error& e) {  // malformed: a duplicate, i >= j, an index outside
     return e.what();
   }
+  if (found_hash) *found_hash = found.hash();
   if (found.count() != detection.report.contacts)
     return fmt::format("reported {} contacts, wrote {}", detection.report.contacts, found.count());
   if (reference.only_hash) {

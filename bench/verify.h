@@ -25,9 +25,10 @@ inline constexpr std::int32_t kMostBallsAllPairs = 5'000;
 Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts);
 
 // "" if the detection's contact set is the reference's; else how it differs, in one line. `number` maps the detection's balls
-// to the packing's (bench/order.h); empty where they are the same.
+// to the packing's (bench/order.h); empty where they are the same. `found_hash`, if given, is set to the hash of the detection's
+// own set, unless that is malformed.
 std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream,
-                     std::span<const std::int32_t> number = {});
+                     std::span<const std::int32_t> number = {}, std::uint64_t* found_hash = nullptr);
 
 // For what finds less than the set, the same by the count alone: the contacts, or for Finds::duplicates the sum over the
 // contacts of the cells (of edge `cell`, m) that hold both balls.

@@ -30,7 +30,8 @@ target_include_directories(touchstone_options INTERFACE $<INSTALL_INTERFACE:${he
 install(DIRECTORY include/touchstone DESTINATION ${headers} COMPONENT touchstone)
 install(FILES kernels/detection.h kernels/device.h DESTINATION ${headers}/kernels COMPONENT touchstone)
 install(FILES reference_cpu/all_pairs.h reference_cpu/count_and_hash.h DESTINATION ${headers}/reference_cpu COMPONENT touchstone)
-install(FILES datasets/files.h datasets/formats.h datasets/loose.h datasets/source_tree.h datasets/spec.h datasets/store.h
+install(FILES datasets/files.h datasets/formats.h datasets/loose.h datasets/simulation_box.h
+        datasets/source_tree.h datasets/spec.h datasets/store.h
         DESTINATION ${headers}/datasets COMPONENT touchstone)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/touchstone)

@@ -73,10 +73,12 @@ PackingFormat format_of(const std::filesystem::path& path, std::string_view text
   const std::string_view first = text.substr(0, std::min(text.find('\n'), std::size_t{256}));
   if (first.starts_with("ITEM:")) return PackingFormat::lammps_dump;
   if (first.find("LAMMPS") != first.npos) return PackingFormat::lammps_data;
+  const std::string unknown =
+      extension.empty() ? "no extension" : fmt::format("no packing format has the extension \"{}\"", extension);
   throw InputError(
-      fmt::format("{}: no packing format has the extension \"{}\"; .balls, .xyz, .csv, LAMMPS' .dump (or .lammpstrj) and .data "
+      fmt::format("{}: {}; .balls, .xyz, .csv, LAMMPS' .dump (or .lammpstrj) and .data "
                   "(or .lmp) can be read, and any file that begins as LAMMPS' do",
-                  path.string(), extension));
+                  path.string(), unknown));
 }
 
 }  // namespace

@@ -11,7 +11,11 @@ std::filesystem::path source_folder();
 // datasets/specs of that tree.
 std::filesystem::path spec_folder();
 
-// $TOUCHSTONE_PACKINGS, else build/packings below that tree.
+// Where the programs of that tree keep packings: $TOUCHSTONE_PACKINGS, else build/packings below it.
+std::filesystem::path source_packing_folder();
+
+// Where any other program keeps them, which an installed library serves long after the tree is gone: $TOUCHSTONE_PACKINGS, else
+// touchstone/packings in the user's cache, which is $XDG_CACHE_HOME or ~/.cache. Throws InputError where neither can be told.
 std::filesystem::path default_packing_folder();
 
 }  // namespace touchstone

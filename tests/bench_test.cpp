@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <set>
 
 #include "bench/case_runner.h"
@@ -10,6 +12,7 @@
 #include "bench/expected.h"
 #include "bench/machine.h"
 #include "bench/order.h"
+#include "bench/output_folder.h"
 #include "bench/provision.h"
 #include "bench/reporter.h"
 #include "bench/study.h"
@@ -67,6 +70,67 @@ TEST(CaseRunner, TakesNineRepetitionsOfAVerifiedDetector) {
   EXPECT_EQ(runner.measurement().samples_us.size(), std::size_t{kRepetitions} * kSamplesPerRepetition);
   EXPECT_EQ(runner.measurement().report.contacts, 19);
   EXPECT_EQ(runner.measurement().flags.front(), "dirty");
+}
+
+// Lists of contacts decide; a record's hash is that of the list which the detector wrote, whatever else is thought to be right.
+TEST(CaseRunner, RecordsTheHashOfTheDetectorsOwnList) {
+  PackingContext context(chain(20));
+  const std::uint64_t right = context.reference().list.hash();
+  const_cast<Reference&>(context.reference()).hash = right ^ 1;
+  CaseRunner runner(serial_case(), Tuning{}, context, Profile::fast, {});
+  while (!runner.complete()) runner.repetition_us();
+  EXPECT_EQ(runner.measurement().contact_hash, right);
+}
+
+// `touchstone detect` names it: with --config, or of the reference beside it, the detector is not the one of the command line.
+TEST(CaseRunner, AMismatchNamesTheDetectorThatDiffered) {
+  PackingContext context(chain(20));
+  const_cast<Reference&>(context.reference()).list.pairs.back() = {0, 19};
+  CaseRunner runner(serial_case(), Tuning{}, context, Profile::fast, {});
+  try {
+    runner.repetition_us();
+    FAIL() << "a wrong set was timed";
+  } catch (const Mismatch& e) {
+    EXPECT_EQ(e.detector, "serial_levels");
+  }
+}
+
+TEST(CaseRunner, AsksOnceAfterTheSamplesWhetherClocksWereHeldBack) {
+  PackingContext context(chain(20));
+  const auto flags = [&](std::optional<unsigned long long> reasons) {
+    int asked = 0;
+    CaseRunner runner(serial_case(), Tuning{}, context, Profile::fast, {}, [&] {
+      ++asked;
+      return reasons;
+    });
+    for (int k = 0; k < kRepetitions; ++k) {
+      EXPECT_EQ(asked, 0) << "within the samples";
+      runner.repetition_us();
+    }
+    EXPECT_EQ(asked, 1);
+    std::vector<std::string> list = runner.measurement().flags;
+    std::erase(list, "noise");
+    return list;
+  };
+  EXPECT_THAT(flags(0x1), ::testing::IsEmpty());  // idle
+  for (const unsigned long long reason : {0x8, 0x20, 0x40, 0x80})
+    EXPECT_THAT(flags(reason), ::testing::ElementsAre("throttled")) << reason;
+  EXPECT_THAT(flags(0x4 | 0x40), ::testing::ElementsAre("throttled", "sw_power_cap"));
+  EXPECT_THAT(flags(std::nullopt), ::testing::ElementsAre("throttle_unknown"));
+}
+
+TEST(Reporter, MoreThanOnePercentOfThrottledSamplesIsNotReportable) {
+  ResultsFile file("unwritten.json", {});
+  const auto add = [&](const std::string& name, int samples, const Json& flags) {
+    file.add(name, {{{"case", {{"sample_count", samples}, {"flags", flags}}}}, {{"case", {{"sample_count", samples}}}}});
+  };
+  add("cool", 9900, {"noise"});
+  add("hot", 100, {"dirty", "throttled"});
+  EXPECT_EQ(file.samples(), 10000u);
+  EXPECT_EQ(file.samples("throttled"), 100u);
+  EXPECT_EQ(throttling_objection(100, 10000), "");
+  EXPECT_THAT(throttling_objection(101, 10000), HasSubstr("101 of 10000 samples"));
+  EXPECT_EQ(throttling_objection(0, 0), "");
 }
 
 // Google Benchmark 1.8 renamed the members that say why a run failed; Debian 12 has 1.7.
@@ -321,6 +385,72 @@ TEST(Case, PaperRuleAndBestChooseTheCell) {
 TEST(Machine, SlugsNameFolders) {
   EXPECT_EQ(slug("NVIDIA H100 80GB HBM3"), "nvidia-h100-80gb-hbm3");
   EXPECT_EQ(slug("Intel(R) Xeon(R) CPU @ 2.00GHz"), "intel-r-xeon-r-cpu-2-00ghz");
+}
+
+// Each row of conditions that make a time less than it seems: on, off, and not to be read.
+TEST(Machine, EveryConditionIsFlaggedOrSaidToBeUnknown) {
+  const Json source{{"commit", "abc"}, {"dirty", false}};
+  const Json host{{"virtual_machine", false}, {"governor", "performance"}, {"boost", "0"}, {"aslr", false}};
+  const Json device{{"driver", "580"}, {"mig", nullptr}, {"mps", false}, {"persistence", true}, {"display_active", false}};
+  const auto with = [](Json j, const char* key, const Json& value) {
+    j[key] = value;
+    return j;
+  };
+  const auto flags = [&](const Json& h, const Json& d, double load = 1, int others = 0) {
+    return run_flags(source, h, d, load, others);
+  };
+  using ::testing::ElementsAre;
+  EXPECT_THAT(flags(host, nullptr), ::testing::IsEmpty());
+  EXPECT_THAT(flags(with(host, "boost", "1"), nullptr), ElementsAre("boost"));
+  EXPECT_THAT(flags(with(host, "boost", nullptr), nullptr), ElementsAre("boost_unknown"));
+  EXPECT_THAT(flags(with(host, "aslr", true), nullptr), ElementsAre("aslr"));
+  EXPECT_THAT(flags(with(host, "aslr", nullptr), nullptr), ElementsAre("aslr_unknown"));
+  EXPECT_THAT(flags(with(host, "governor", "powersave"), nullptr), ElementsAre("governor_powersave"));
+  EXPECT_THAT(flags(host, nullptr, 1.01), ElementsAre("load")) << "of however many cores";
+  EXPECT_THAT(flags(host, nullptr, -1), ElementsAre("load_unknown"));
+  const char* const lock = "clock_lock_unknown";
+  EXPECT_THAT(flags(host, device), ElementsAre(lock));
+  EXPECT_THAT(flags(host, with(device, "mps", true)), ElementsAre("mps", lock));
+  EXPECT_THAT(flags(host, with(device, "persistence", false)), ElementsAre("persistence_off", lock));
+  EXPECT_THAT(flags(host, with(device, "persistence", nullptr)), ElementsAre("persistence_unknown", lock));
+  EXPECT_THAT(flags(host, with(device, "display_active", true)), ElementsAre("display_active", lock));
+  EXPECT_THAT(flags(host, with(device, "display_active", nullptr)), ElementsAre("display_active_unknown", lock));
+  EXPECT_THAT(flags(host, with(device, "driver", nullptr)), ElementsAre("mig_unknown", lock));
+  EXPECT_THAT(flags(host, device, 0, -1), ElementsAre("other_processes_unknown", lock));
+}
+
+TEST(Machine, TellsWhatTheKernelSays) {
+  const Json host = host_json();
+  std::ifstream file("/proc/sys/kernel/randomize_va_space");
+  int mode = -1;
+  if (file >> mode && mode == 0) {
+    EXPECT_EQ(host["aslr"], false);
+  } else if (mode > 0) {
+    EXPECT_TRUE(host["aslr"].is_boolean());
+  }
+  const TemporaryFolder folder;
+  setenv("CUDA_MPS_PIPE_DIRECTORY", folder.path().c_str(), 1);
+  EXPECT_FALSE(mps_offered()) << "a variable alone is no service";
+  testing::write_text(folder.path() / "control", "");
+  EXPECT_TRUE(mps_offered());
+  unsetenv("CUDA_MPS_PIPE_DIRECTORY");
+}
+
+TEST(Machine, CodeForTheDebuggerIsRefused) {
+  Json build{{"type", "Release"}, {"sanitizer", nullptr}, {"cuda_flags", "-O3 --fmad=false -Gx"}};
+  EXPECT_THAT(refusals(build, nullptr, 0), ::testing::IsEmpty());
+  for (const char* flag : {" -G", " --device-debug"}) {
+    build["cuda_flags"] = std::string("-O3") + flag;
+    EXPECT_THAT(refusals(build, nullptr, 0), ::testing::ElementsAre(HasSubstr("debugger"))) << flag;
+  }
+  build["cuda_flags"] = nullptr;
+  EXPECT_THAT(refusals(build, nullptr, 0), ::testing::IsEmpty());
+}
+
+TEST(OutputFolder, ADiskTooSmallIsToldBeforeTheFirstCase) {
+  const TemporaryFolder folder;
+  EXPECT_NO_THROW(require_space(folder.path(), 1));
+  EXPECT_THROW(require_space(folder.path(), std::uintmax_t{1} << 62), InputError);
 }
 
 }  // namespace

@@ -88,6 +88,27 @@ TEST(Formats, FilesRoundTripByExtension) {
   std::filesystem::remove_all(folder);
 }
 
+// What is wrong with the name is told as it is, and only what can be read is offered.
+TEST(Formats, AFolderANameWithoutExtensionAndVtpAreTold) {
+  const auto folder = std::filesystem::temp_directory_path() / "touchstone_formats_names_test";
+  std::filesystem::create_directories(folder);
+  const auto why = [](const std::filesystem::path& path) -> std::string {
+    try {
+      read_packing(path);
+    } catch (const InputError& error) {
+      return std::string(error.what()).substr(path.string().size());
+    }
+    return "was read";
+  };
+  for (const char* name : {"bed", "bed.foo", "bed.vtp"}) std::ofstream(folder / name) << "1 2 3 4\n";
+  EXPECT_EQ(why(folder), ": is a folder, not a file");
+  EXPECT_TRUE(why(folder / "bed").starts_with(": no extension; .balls, .xyz, .csv, ")) << why(folder / "bed");
+  EXPECT_EQ(why(folder / "bed").find("vtp"), std::string::npos);
+  EXPECT_TRUE(why(folder / "bed.foo").starts_with(": no packing format has the extension \".foo\"; ")) << why(folder / "bed.foo");
+  EXPECT_NE(why(folder / "bed.vtp").find("only written, not read"), std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Formats, VtpHasAVertexForEveryPoint) {
   const std::vector<Ball> balls{{0, 0, 0, 1}, {0.5f, 0, 0, 2}};
   const std::string text = to_vtp(balls);

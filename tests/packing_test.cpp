@@ -203,5 +203,49 @@ TEST(StoreFolder, IsToldWhenItCannotBe) {
   EXPECT_THROW(load_or_make(parse_spec("n=10,kind=loose,base=cube"), "/dev/null/packings"), InputError);
 }
 
+// Sets or, with null, unsets a variable while it lives.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* const before = std::getenv(name)) before_ = before, was_set_ = true;
+    set(value);
+  }
+  ~Variable() { set(was_set_ ? before_.c_str() : nullptr); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  void set(const char* value) const { value ? ::setenv(name_, value, 1) : ::unsetenv(name_); }
+  const char* name_;
+  std::string before_;
+  bool was_set_ = false;
+};
+
+TEST(PackingFolder, OfOtherProgramsIsTheUsersCacheNeverTheSourceTree) {
+  const Variable home("HOME", "/home/someone"), source("TOUCHSTONE_SOURCE_DIR", "/src/tree");
+  {
+    const Variable stated("TOUCHSTONE_PACKINGS", "/data/packings"), cache("XDG_CACHE_HOME", "/var/cache");
+    EXPECT_EQ(default_packing_folder(), "/data/packings");
+    EXPECT_EQ(source_packing_folder(), "/data/packings");
+  }
+  const Variable stated("TOUCHSTONE_PACKINGS", nullptr);
+  EXPECT_EQ(source_packing_folder(), "/src/tree/build/packings");
+  {
+    const Variable cache("XDG_CACHE_HOME", "/var/cache");
+    EXPECT_EQ(default_packing_folder(), "/var/cache/touchstone/packings");
+  }
+  for (const char* useless : {static_cast<const char*>(nullptr), "", "relative"}) {
+    const Variable cache("XDG_CACHE_HOME", useless);
+    EXPECT_EQ(default_packing_folder(), "/home/someone/.cache/touchstone/packings");
+    const Variable nowhere("HOME", nullptr);
+    try {
+      default_packing_folder();
+      FAIL() << "a folder out of nowhere";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("TOUCHSTONE_PACKINGS"), std::string::npos);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace touchstone

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <memory>
 #include <regex>
 #include <set>
@@ -250,7 +251,11 @@ TEST_F(Page, TheLengthThatTheBestCellFollowsHasTheLeastResidual) {
   const auto cells = [](const std::string& line) { return all_matches(line, "([^,]+)"); };
   EXPECT_EQ(cells(rows[1])[1], "ravg");
   EXPECT_NEAR(std::stod(cells(rows[1])[3]), 4, 0.1);
-  EXPECT_EQ(cells(rows[1])[6], "yes") << "the paper's 4 within the interval";
+  double low = 0, high = 0;  // of the packings' scatter, which the fixture has only from its steps: a few per cent
+  ASSERT_EQ(std::sscanf(cells(rows[1])[4].c_str(), "%lf to %lf", &low, &high), 2) << rows[1];
+  EXPECT_GT(low, 3.8);
+  EXPECT_LT(high, 4.2);
+  EXPECT_EQ(cells(rows[1])[6], low <= 4 && 4 <= high ? "yes" : "no") << rows[1];
   EXPECT_EQ(cells(rows[1]).back(), " the least\"");
   EXPECT_LT(std::stod(cells(rows[1])[7]), std::stod(cells(rows[0])[7]));
   EXPECT_THAT(file_text(out() / "residuals_fixture-1.md"), HasSubstr("ravg explains the best cell best"));

@@ -76,6 +76,13 @@ TEST_F(Report, WithoutMeasurementsItSaysSo) {
   EXPECT_THAT(text("a/figure8_time.svg"), HasSubstr("a GPU of today: not measured"));
 }
 
+TEST_F(Report, AFolderOfItsOwnResultsThatIsNotThereIsTold) {
+  const Outcome o = report("a --local " + (folder_.path() / "nowhere").string());
+  EXPECT_EQ(o.code, 2);
+  EXPECT_THAT(o.err, HasSubstr("nowhere: no folder of results"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "a"));
+}
+
 TEST_F(Report, SpeedUpsNameTheirBaseAndStandBesideItsTime) {
   write_text(results() / "test-gpu/table2.json", fixture().dump());
   ASSERT_EQ(report("a").code, 0);

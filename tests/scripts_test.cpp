@@ -57,6 +57,21 @@ TEST(Figures, TellAFailedReportUnlessMeasuringFailedBefore) {
   EXPECT_EQ(figures(3, 4).code, 3);
 }
 
+// In a tree of its own, before and after something was measured in it.
+TEST(Figures, NameOwnResultsOnlyWhereThereAreSome) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "scripts");
+  std::filesystem::copy(kScripts / "figures", folder.path() / "scripts");
+  write_script(folder.path() / "bench_detect", "exit 6\n");  // nothing for this machine
+  write_script(folder.path() / "touchstone", "echo \"$@\"\n");
+  const std::string command = (folder.path() / "scripts/figures").string() + " default " + folder.path().string();
+  const Outcome without = run_program(command);
+  EXPECT_EQ(without.code, 0) << without.err;
+  EXPECT_EQ(without.out, "report --results results --out build/report\n");
+  std::filesystem::create_directories(folder.path() / "build/results");
+  EXPECT_EQ(run_program(command).out, "report --results results --local build/results --out build/report\n");
+}
+
 // ---- scripts/configure ----
 
 // What it prints where nvidia-smi tells this compute capability ("": no driver) and nvcc builds for 7.5 and 9.0.

@@ -135,6 +135,7 @@ Series evaluate(const Expression& e, const ResultsIndex& index, const Source* so
     case Operator::skipped:
     case Operator::distinct:
     case Operator::least:
+    case Operator::median:
     case Operator::packings:
     case Operator::optimum:
       return select_series(e, index, source, flags);

@@ -44,19 +44,15 @@ double positive(double value) {
 }
 
 struct Spread {
-  double mean, deviation, mean_low, mean_high;  // of ln(a/b)
+  double mean, deviation;  // of ln(a/b)
   int count;
 };
 
 Spread log_ratio(const Series& a, const Series& b) {
   const Series ratios = combine(a, b, ratio);
   if (ratios.size() < 3) throw Missing{"a fit needs at least 3 packings"};
-  Spread s{0, 0, 0, 0, static_cast<int>(ratios.size())};
-  for (const Point& p : ratios) {
-    s.mean += positive(p.value) / s.count;
-    s.mean_low += std::log(p.low) / s.count;  // -inf below an optimum at the start of its sweep
-    s.mean_high += std::log(p.high) / s.count;
-  }
+  Spread s{0, 0, static_cast<int>(ratios.size())};
+  for (const Point& p : ratios) s.mean += positive(p.value) / s.count;
   for (const Point& p : ratios) s.deviation += std::pow(std::log(p.value) - s.mean, 2);
   s.deviation = std::sqrt(s.deviation / (s.count - 1));
   return s;
@@ -120,8 +116,8 @@ Point factor(const Series& a, const Series& b) {
   const Spread s = log_ratio(a, b);
   const double half_width = student_t95(s.count - 1) * s.deviation / std::sqrt(s.count);
   Point p = exactly(std::exp(s.mean));
-  p.low = std::exp(std::min(s.mean - half_width, s.mean_low));
-  p.high = std::exp(std::max(s.mean + half_width, s.mean_high));
+  p.low = std::exp(s.mean - half_width);
+  p.high = std::exp(s.mean + half_width);
   return p;
 }
 

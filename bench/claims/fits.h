@@ -23,8 +23,9 @@ Point exponent(const Series& series);
 // reaches an end of the sweep nothing bounds it there: 0 or infinity.
 Point optimum(const Series& sweep);
 
-// k in a = k b: geometric mean of a/b over common places. Interval: the wider, on each side, of the 95 % t-interval of ln(a/b)
-// (places as a sample) and the geometric mean of the single intervals (an error all share). Missing below 3 places.
+// k in a = k b: geometric mean of a/b over common places, with the 95 % t-interval of ln(a/b): the confidence interval of the
+// fit, the places as a sample. The points' own intervals stay out of it: wider ones would make a claimed k easier to meet, so a
+// flat optimum shows in its band, not here. Missing below 3 places.
 Point factor(const Series& a, const Series& b);
 
 // How badly a = k b fits with the best k: standard deviation of ln(a/b). Missing below 3 places.

@@ -213,8 +213,9 @@ bool is_known_field(const std::string& name) {
 }
 
 bool is_notable_flag(const std::string& flag) {
-  static const std::set<std::string> of_the_machine{"virtual_machine", "persistence_off", "commit_unknown"};
-  return !of_the_machine.count(flag) && !flag.starts_with("governor_");
+  static const std::set<std::string> of_the_machine{"virtual_machine", "persistence_off", "boost", "aslr", "mps",
+                                                    "display_active"};
+  return !of_the_machine.count(flag) && !flag.starts_with("governor_") && !flag.ends_with("_unknown");
 }
 
 }  // namespace touchstone::claims

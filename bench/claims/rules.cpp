@@ -37,6 +37,7 @@ const std::map<std::string, Syntax>& vocabulary() {
                                                    {"skipped", {skipped, Shape::selector}},
                                                    {"distinct", {distinct, Shape::selector, 0, {"field"}, {"by"}}},
                                                    {"least", {least, Shape::selector, 0, {"field"}, {"by"}}},
+                                                   {"median", {median, Shape::selector, 0, {"field"}, {"by"}}},
                                                    {"packings", {packings, Shape::selector, 0, {"field"}, {"by"}}},
                                                    {"optimum", {optimum, Shape::selector, 0, {"field", "over"}, {"by"}}},
                                                    {"sum", {sum, Shape::arguments, kTwoOrMore}},
@@ -68,7 +69,7 @@ const std::set<std::string> kVerdicts{"reproduced", "in part", "not reproduced",
 
 bool reads_rows(Operator op) {
   using enum Operator;
-  return op == rows || op == count || op == skipped || op == distinct || op == least || op == optimum;
+  return op == rows || op == count || op == skipped || op == distinct || op == least || op == median || op == optimum;
 }
 
 // Everything a claim may refer to, and where we are for messages.

@@ -26,6 +26,7 @@ enum class Operator {
   skipped,    // how many skipped cases are selected
   distinct,   // how many different values a field has among the selected cases, by fields
   least,      // the smallest value of a field among the selected cases, by fields
+  median,     // the middle one of its values
   packings,   // a field of the packings of expected.json, by fields
   occupancy,  // occupancy arithmetic for a compute capability and the paper's Table 3, by phase
   optimum,    // where a field is least over another, by fields; interval: the band not told apart from it

@@ -128,12 +128,13 @@ Series optima(const Expression& e, const std::vector<const Fields*>& rows) {
   return series;
 }
 
-Series least_of(const Expression& e, const std::vector<const Fields*>& rows) {
+// One point a place: what `pick` makes of the values there.
+Series picked_of(const Expression& e, const std::vector<const Fields*>& rows, Series (*pick)(const Series&)) {
   Series series;
   for (const auto& [place, group] : grouped(e, rows)) {
     Series values;
     for (const Fields* row : group) values.push_back(point_of(e, *row, e.by));
-    const Point p = least(values).front();
+    const Point p = pick(values).front();
     series.push_back(point_at(place, p.value, p.low, p.high));
   }
   sort_points(series);
@@ -194,7 +195,8 @@ Series select_series(const Expression& e, const ResultsIndex& index, const Sourc
   const std::vector<const Fields*> rows = picked(e, rows_meant(e, *source));
   if (e.field.ends_with("_us") || e.field.starts_with("phases_us.")) note_flags(rows, flags);  // of a time only
   if (e.op == Operator::distinct) return distinct(e, rows);
-  if (e.op == Operator::least) return least_of(e, rows);
+  if (e.op == Operator::least) return picked_of(e, rows, least);
+  if (e.op == Operator::median) return picked_of(e, rows, middle);
   if (e.op == Operator::optimum) return optima(e, rows);
   return points(e, rows, e.by);
 }

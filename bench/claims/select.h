@@ -12,7 +12,7 @@ namespace touchstone::claims {
 
 Series printed_column(const ResultsIndex& index, const std::string& table, const std::string& column, const std::string& by);
 
-// `rows`, `count`, `skipped`, `distinct`, `least` and `optimum` of one device; `packings` of expected.json.
+// `rows`, `count`, `skipped`, `distinct`, `least`, `median` and `optimum` of one device; `packings` of expected.json.
 Series select_series(const Expression& expression, const ResultsIndex& index, const Source* source, std::set<std::string>& flags);
 
 }  // namespace touchstone::claims

@@ -110,5 +110,13 @@ Series greatest(const Series& series) {
   p.label.clear(), p.at = std::numeric_limits<double>::quiet_NaN();
   return {p};
 }
+Series middle(const Series& series) {
+  Series s = series;
+  std::sort(s.begin(), s.end(), lower);
+  const Point &a = s[(s.size() - 1) / 2], &b = s[s.size() / 2];
+  Point p = exactly(0.5 * (a.value + b.value));
+  p.low = 0.5 * (a.low + b.low), p.high = 0.5 * (a.high + b.high);
+  return {p};
+}
 
 }  // namespace touchstone::claims

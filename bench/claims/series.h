@@ -46,4 +46,7 @@ Series steps(const Series& series);
 Series least(const Series& series);
 Series greatest(const Series& series);
 
+// The middle one, likewise; of an even number the mean of the middle two, ends of their intervals too.
+Series middle(const Series& series);
+
 }  // namespace touchstone::claims

@@ -14,8 +14,8 @@ struct Known {
 constexpr Known kKnown[] = {
     {"noise", "†", "noise: the quartiles are more than 5 % of the median apart"},
     {"few_samples", "‡", "few_samples: fewer than 15 samples a repetition, to bound the time"},
-    {"load", "§", "load: the machine's load was above 1"},
-    {"timeout", "¶", "timeout: sampling was stopped by its time limit"},
+    {"load", "§", "load: the machine's load was above 1 when the run began"},
+    {"throttled", "¶", "throttled: the GPU was slowed by heat, its hardware or a power brake after the samples"},
 };
 constexpr const char* kOtherSign = "*";
 
