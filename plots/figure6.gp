@@ -12,7 +12,7 @@ look(i) = i <= words(looks) ? int(word(looks, i)) : 1  # gnuplot evaluates even 
 set terminal svg size 480,500 font "DejaVu Sans,14" background "white" dashed noenhanced  # taller: floors lie decades below
 set title panel_title font small
 set xlabel "cell size (cm)" offset 0,0.3
-set ylabel "time for contact detection (ms)" offset 1.4,0
+set label "time for contact detection (ms)" at screen 0.02, graph 0.5 center rotate  # clear of tick labels of any width
 set xrange [0:most_cell * 1.02]
 set logscale y
 set format y "%g"
