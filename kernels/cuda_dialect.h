@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "kernels/device.h"
 
@@ -119,21 +120,29 @@ void launch(Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&
   check(cudaGetLastError());
 }
 
-// A cooperative launch: all blocks run at once, so that they may meet in grid_sync().
-template <class... Params, class... Args>
-void launch_together(Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&... args) {
-  dialect_detail::allow_shared(kernel, shape.shared_bytes);
-  cudaLaunchAttribute cooperative{};
-  cooperative.id = cudaLaunchAttributeCooperative;
-  cooperative.val.cooperative = 1;
+namespace dialect_detail {
+template <class... Params>
+void launch_with(cudaLaunchAttribute attribute, Stream& stream, LaunchShape shape, void (*kernel)(Params...),
+                 std::type_identity_t<Params>... args) {
+  allow_shared(kernel, shape.shared_bytes);
   cudaLaunchConfig_t config{};
   config.gridDim = dim3(static_cast<unsigned>(shape.blocks));
   config.blockDim = dim3(static_cast<unsigned>(shape.threads));
   config.dynamicSmemBytes = shape.shared_bytes;
   config.stream = stream.get();
-  config.attrs = &cooperative;
+  config.attrs = &attribute;
   config.numAttrs = 1;
-  check(cudaLaunchKernelEx(&config, kernel, static_cast<Params>(args)...));
+  check(cudaLaunchKernelEx(&config, kernel, args...));
+}
+}  // namespace dialect_detail
+
+// A cooperative launch: all blocks run at once, so that they may meet in grid_sync().
+template <class... Params, class... Args>
+void launch_together(Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&... args) {
+  cudaLaunchAttribute cooperative{};
+  cooperative.id = cudaLaunchAttributeCooperative;
+  cooperative.val.cooperative = 1;
+  dialect_detail::launch_with(cooperative, stream, shape, kernel, static_cast<Params>(args)...);
 }
 
 // Programmatic dependent launch: blocks may begin while the kernel before them on the stream still runs, once all of its
@@ -143,18 +152,10 @@ void launch_together(Stream& stream, LaunchShape shape, void (*kernel)(Params...
 // launch(). Only where can_overlap().
 template <class... Params, class... Args>
 void launch_overlapped(Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&... args) {
-  dialect_detail::allow_shared(kernel, shape.shared_bytes);
   cudaLaunchAttribute overlapped{};
   overlapped.id = cudaLaunchAttributeProgrammaticStreamSerialization;
   overlapped.val.programmaticStreamSerializationAllowed = 1;
-  cudaLaunchConfig_t config{};
-  config.gridDim = dim3(static_cast<unsigned>(shape.blocks));
-  config.blockDim = dim3(static_cast<unsigned>(shape.threads));
-  config.dynamicSmemBytes = shape.shared_bytes;
-  config.stream = stream.get();
-  config.attrs = &overlapped;
-  config.numAttrs = 1;
-  check(cudaLaunchKernelEx(&config, kernel, static_cast<Params>(args)...));
+  dialect_detail::launch_with(overlapped, stream, shape, kernel, static_cast<Params>(args)...);
 }
 
 // Whether this kernel, as compiled for the current device, holds the two words below: they are no-ops before Hopper.
