@@ -46,8 +46,7 @@ int lane_bits_for(double v) {
 }  // namespace
 
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block) {
-  double volume = 1;
-  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(facts.surfaces.upper[axis]) - facts.surfaces.lower[axis];
+  const double volume = facts.surfaces.volume();
   const auto query = [volume, &facts](double radius, const RadiusClass& level, double share) {
     const double x = kCellX * level.radius, yz = kCellYZ * level.radius, width = 2 * (radius + level.radius);
     const double rows = std::pow(width / yz + 1, 2);

@@ -24,8 +24,7 @@ double most_cells(double balls) { return std::min(4 * balls + 64, 1e8); }
 }  // namespace
 
 std::vector<Level> plan_levels(const PackingFacts& facts) {
-  double volume = 1;
-  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(facts.surfaces.upper[axis]) - facts.surfaces.lower[axis];
+  const double volume = facts.surfaces.volume();
   const auto query = [volume](double radius, const RadiusClass& level, double share) {
     const double cell = kCellRadii * level.radius, width = 2 * (radius + level.radius);
     const double rows = share * std::pow(width / cell + 1, 2);

@@ -21,6 +21,12 @@ namespace touchstone {
 struct Box {
   float lower[3] = {0, 0, 0};
   float upper[3] = {0, 0, 0};
+
+  double volume() const {  // m3
+    double product = 1;
+    for (int axis = 0; axis < 3; ++axis) product *= static_cast<double>(upper[axis]) - lower[axis];
+    return product;
+  }
 };
 
 // Passed to kernels by value. Cell number = k*nx*ny + j*nx + i with i along x, j along y, k along z (paper, eq. 1).
