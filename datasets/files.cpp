@@ -70,19 +70,32 @@ void write_atomically(const std::filesystem::path& asked, std::string_view bytes
   }
 }
 
-std::string read_whole(const std::filesystem::path& path) {
-  std::error_code status;
-  if (std::filesystem::is_directory(path, status)) throw InputError(fmt::format("{}: is a folder, not a file", path.string()));
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (!file) fail(path, "read");
+OpenFile::OpenFile(const std::filesystem::path& path) : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  struct stat status = {};
+  if (file_ < 0 || ::fstat(file_, &status) != 0) fail(path, "read");
+  if (S_ISREG(status.st_mode)) size_ = static_cast<std::size_t>(status.st_size);
+  if (S_ISDIR(status.st_mode)) {
+    ::close(file_);  // no destructor runs after a throw
+    throw InputError(fmt::format("{}: is a folder, not a file", path.string()));
+  }
+}
+
+OpenFile::~OpenFile() {
+  if (file_ >= 0) ::close(file_);
+}
+
+std::string OpenFile::read() const {
   std::string bytes;
   char part[1 << 16];
-  for (std::size_t got; (got = std::fread(part, 1, sizeof part, file)) > 0;) bytes.append(part, got);
-  const bool broken = std::ferror(file);
-  std::fclose(file);
-  if (broken) fail(path, "read");
-  return bytes;
+  for (;;) {
+    const ssize_t got = ::read(file_, part, sizeof part);
+    if (got == 0) return bytes;
+    if (got > 0) bytes.append(part, static_cast<std::size_t>(got));
+    if (got < 0 && errno != EINTR) fail(path_, "read");
+  }
 }
+
+std::string read_whole(const std::filesystem::path& path) { return OpenFile(path).read(); }
 
 FileLock::FileLock(const std::filesystem::path& path, const std::function<void()>& busy)
     : file_(::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
