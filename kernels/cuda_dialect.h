@@ -193,4 +193,13 @@ __device__ inline std::int64_t atomic_add(std::int64_t* at, std::int64_t value) 
 
 #endif
 
+// launch_overlapped() where the caller found that it can_overlap(), else launch().
+template <class... Params, class... Args>
+void launch_after(bool overlapped, Stream& stream, LaunchShape shape, void (*kernel)(Params...), Args&&... args) {
+  if (overlapped)
+    launch_overlapped(stream, shape, kernel, std::forward<Args>(args)...);
+  else
+    launch(stream, shape, kernel, std::forward<Args>(args)...);
+}
+
 }  // namespace touchstone

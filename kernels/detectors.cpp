@@ -70,6 +70,17 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .buckets = false,
      .known = "box,rmin,rmax,histogram",
      .make = make_levels},
+    {.name = "levels",
+     .layout = "reproducible",
+     .summary = "levels with the contact list in ascending order: the same bytes in every run",
+     .place = Place::device,
+     .free_cell = false,
+     .least_cell_rmax = 0,
+     .threads_broad = true,
+     .threads_narrow = true,
+     .buckets = false,
+     .known = "box,rmin,rmax,histogram",
+     .make = make_reproducible_levels},
 };
 
 std::span<const DetectorInfo> gpu_detectors() { return kGpuDetectors; }

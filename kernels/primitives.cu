@@ -6,6 +6,7 @@
 #include <vector>
 #else
 #include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
 #endif
 
 namespace touchstone {
@@ -26,6 +27,12 @@ void RadixSort::sort(const std::uint32_t* key, const std::int32_t* value, std::u
   }
 }
 
+ExclusiveScan::ExclusiveScan(std::int32_t n, Stream&) : n_(n) {}
+
+void ExclusiveScan::scan(std::int64_t* entries, Stream&) {
+  std::exclusive_scan(entries, entries + n_, entries, std::int64_t{0});
+}
+
 #else
 
 RadixSort::RadixSort(std::int32_t n, int key_bits, Stream& stream) : n_(n), key_bits_(key_bits) {
@@ -40,6 +47,17 @@ void RadixSort::sort(const std::uint32_t* key, const std::int32_t* value, std::u
   std::size_t bytes = temporary_.size();
   check(cub::DeviceRadixSort::SortPairs(temporary_.data(), bytes, key, sorted_key, value, sorted_value, n_, 0, key_bits_,
                                         stream.get()));
+}
+
+ExclusiveScan::ExclusiveScan(std::int32_t n, Stream& stream) : n_(n) {
+  std::size_t bytes = 0;
+  check(cub::DeviceScan::ExclusiveSum<std::int64_t*, std::int64_t*>(nullptr, bytes, nullptr, nullptr, n_, stream.get()));
+  temporary_ = Buffer<char>(bytes, Place::device, stream);
+}
+
+void ExclusiveScan::scan(std::int64_t* entries, Stream& stream) {
+  std::size_t bytes = temporary_.size();
+  check(cub::DeviceScan::ExclusiveSum(temporary_.data(), bytes, entries, entries, n_, stream.get()));
 }
 
 #endif

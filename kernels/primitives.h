@@ -23,4 +23,16 @@ class RadixSort {
   Buffer<char> temporary_;
 };
 
+// Sums of all entries before each one, in place. As RadixSort, scan() only enqueues.
+class ExclusiveScan {
+ public:
+  ExclusiveScan(std::int32_t n, Stream& stream);
+  void scan(std::int64_t* entries, Stream& stream);
+  std::int64_t bytes() const { return static_cast<std::int64_t>(temporary_.bytes()); }
+
+ private:
+  std::int32_t n_;
+  Buffer<char> temporary_;
+};
+
 }  // namespace touchstone

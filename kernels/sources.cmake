@@ -7,10 +7,13 @@ set(TOUCHSTONE_KERNEL_SOURCES
   levels.cu
   multi_cell_paper.cu
   multi_cell_staged.cu
+  parted_balls.cu
   primitives.cu
   sdk_sort.cu
   sorted_cells.cu
-  sorted_grid.cu)
+  sorted_grid.cu
+  sorted_levels.cu
+  sorted_rows.cu)
 # Their host side, plain C++ in both.
 set(TOUCHSTONE_KERNEL_HOST_SOURCES
   detection.cpp

@@ -15,6 +15,7 @@ using DetectorFactory = std::unique_ptr<Detector>(const PackingFacts& facts, con
 #endif
 
 DetectorFactory make_levels;
+DetectorFactory make_reproducible_levels;
 DetectorFactory make_sdk_sort;
 DetectorFactory make_fixed_bucket;
 DetectorFactory make_multi_cell_paper;

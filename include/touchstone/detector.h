@@ -24,6 +24,7 @@ struct DetectorParams {
   int threads_broad = 0;           // threads a block, broad phase
   int threads_narrow = 0;          // threads a block, narrow phase
   std::int32_t cell_capacity = 0;  // slots a cell, for bucket methods
+  bool updates = false;            // update() will be called: what a detector keeps for it costs memory
 };
 
 // A place that was too small. index is the worst cell or ball (-1 for the pair list); count is true, beyond capacity.
@@ -60,6 +61,10 @@ class Detector {
   // `stream`: no allocation, synchronisation or read-back, so it can be timed by events and captured in a CUDA graph.
   // Balls may have moved since construction: results stay exact anywhere (radii must not exceed the known rmax).
   virtual void detect(BallsView in, ContactsView out, Stream& stream) = 0;
+
+  // The same for the balls of the last detect() or update(), in the same order and with the same radii, that have moved: as exact,
+  // and quicker where the detector was built with `updates`, knows how, and they moved little. Others just detect().
+  virtual void update(BallsView in, ContactsView out, Stream& stream) { detect(in, out, stream); }
 
   // State after the last detect() on `out`. Synchronises the stream.
   virtual DetectorReport report(ContactsView out, Stream& stream) = 0;

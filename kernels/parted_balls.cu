@@ -1,0 +1,133 @@
+// One pass of a radix sort by place instead of by key, and without its order: a block counts its tile of balls by region in
+// shared memory, takes room in each region with one atomicAdd, and writes. A tile's balls of one region land side by side.
+#include "kernels/parted_balls.h"
+
+#include "kernels/cuda_dialect.h"
+#include "kernels/planning.h"
+#include "kernels/warp_sum.h"
+#include "touchstone/grid.h"
+
+namespace touchstone {
+namespace {
+
+constexpr int kSide = 32, kRegions = kSide * kSide;
+constexpr int kThreads = 512, kEach = 16, kTile = kThreads * kEach;
+constexpr int kStretches = 8, kStretch = 1024;
+// Distinct regions in all stretches: of shuffled balls about 650 a stretch, of balls in any spatial order few.
+constexpr std::int32_t kMostTogether = 256 * kStretches;
+
+struct Regions {
+  float y0, z0, inv_y, inv_z;
+  __device__ std::int32_t of(const Ball& b) const {
+    return cell_coordinate(b.z, z0, inv_z, kSide) * kSide + cell_coordinate(b.y, y0, inv_y, kSide);
+  }
+};
+
+// A block a stretch: how many regions its balls lie in.
+__global__ void look_kernel(BallsView in, Regions regions, std::int32_t* distinct) {
+  __shared__ std::int32_t seen[kRegions];
+  for (int r = threadIdx.x; r < kRegions; r += blockDim.x) seen[r] = 0;
+  __syncthreads();
+  const std::int32_t balls = min(in.n, kStretch);
+  const std::int64_t first = std::int64_t{in.n - balls} * blockIdx.x / (kStretches - 1);
+  for (std::int32_t k = threadIdx.x; k < balls; k += blockDim.x)
+    if (atomicExch(&seen[regions.of(in.data[first + k])], 1) == 0) atomicAdd(distinct, 1);
+}
+
+// One thread: what look_kernel counted becomes the answer that all later kernels read.
+__global__ void decide_kernel(std::int32_t* scattered) {
+  if (threadIdx.x == 0) *scattered = *scattered > kMostTogether;
+}
+
+// A block a tile: balls of each region.
+__global__ void region_count_kernel(BallsView in, Regions regions, const std::int32_t* scattered, std::int32_t* fill) {
+  __shared__ std::int32_t counted[kRegions];
+  if (*scattered == 0) return;
+  for (int r = threadIdx.x; r < kRegions; r += blockDim.x) counted[r] = 0;
+  __syncthreads();
+  const std::int64_t first = std::int64_t{kTile} * blockIdx.x;
+  for (int k = 0; k < kEach; ++k) {
+    const std::int64_t i = first + k * kThreads + threadIdx.x;
+    if (i < in.n) atomicAdd(&counted[regions.of(in.data[i])], 1);
+  }
+  __syncthreads();
+  for (int r = threadIdx.x; r < kRegions; r += blockDim.x)
+    if (counted[r]) atomicAdd(&fill[r], counted[r]);
+}
+
+// One block, a thread a region: counts become each region's first place.
+__global__ void region_first_kernel(std::int32_t* fill) {
+  __shared__ std::int32_t in_warp[kWarpSize];
+  const int lane = static_cast<int>(threadIdx.x) % kWarpSize, warp = static_cast<int>(threadIdx.x) / kWarpSize;
+  const std::int32_t own = fill[threadIdx.x], up_to = sum_up_to_lane(own);
+  if (lane == kWarpSize - 1) in_warp[warp] = up_to;
+  __syncthreads();
+  std::int32_t before = 0;
+  for (int w = 0; w < warp; ++w) before += in_warp[w];
+  fill[threadIdx.x] = before + up_to - own;
+}
+
+// A block a tile: its balls to their regions, which it takes room in.
+__global__ void part_kernel(BallsView in, Regions regions, const std::int32_t* scattered, std::int32_t* fill, Ball* parted,
+                            std::int32_t* number) {
+  __shared__ std::int32_t place[kRegions];  // first how many, then where
+  if (*scattered == 0) return;
+  for (int r = threadIdx.x; r < kRegions; r += blockDim.x) place[r] = 0;
+  __syncthreads();
+  const std::int64_t first = std::int64_t{kTile} * blockIdx.x + threadIdx.x;
+  std::int32_t rank[kEach], region[kEach];
+  for (int k = 0; k < kEach; ++k) {
+    const std::int64_t i = first + k * kThreads;
+    if (i >= in.n) continue;
+    region[k] = regions.of(in.data[i]);
+    rank[k] = atomicAdd(&place[region[k]], 1);
+  }
+  __syncthreads();
+  for (int r = threadIdx.x; r < kRegions; r += blockDim.x)
+    if (place[r]) place[r] = atomicAdd(&fill[r], place[r]);
+  __syncthreads();
+  for (int k = 0; k < kEach; ++k) {
+    const std::int64_t i = first + k * kThreads;
+    if (i >= in.n) continue;
+    const std::int32_t at = place[region[k]] + rank[k];
+    parted[at] = in.data[i];
+    number[at] = static_cast<std::int32_t>(i);
+  }
+}
+
+float inverse(float lower, float upper) { return upper > lower ? kSide / (upper - lower) : 0; }
+
+}  // namespace
+
+PartedBalls::PartedBalls(const PackingFacts& facts, Stream& stream)
+    : y0_(facts.centres.lower[1]),
+      z0_(facts.centres.lower[2]),
+      inv_y_(inverse(facts.centres.lower[1], facts.centres.upper[1])),
+      inv_z_(inverse(facts.centres.lower[2], facts.centres.upper[2])),
+      ball_(facts.n, Place::device, stream),
+      number_(facts.n, Place::device, stream),
+      fill_(kRegions + 1, Place::device, stream) {}
+
+BallSource PartedBalls::part(BallsView in, Stream& stream) {
+  const Regions regions{y0_, z0_, inv_y_, inv_z_};
+  std::int32_t* const fill = fill_.data();
+  std::int32_t* const scattered = fill + kRegions;
+  const LaunchShape tiles{blocks_for(in.n, kTile), kThreads};
+  fill_async(fill_, 0, stream);
+  launch(stream, {kStretches, 256}, look_kernel, in, regions, scattered);
+  launch(stream, {1, 32}, decide_kernel, scattered);
+  launch(stream, tiles, region_count_kernel, in, regions, scattered, fill);
+  launch(stream, {1, kRegions}, region_first_kernel, fill);
+  launch(stream, tiles, part_kernel, in, regions, scattered, fill, ball_.data(), number_.data());
+  return {in.data, in.n, scattered, ball_.data(), number_.data()};
+}
+
+std::int64_t PartedBalls::bytes(std::int64_t n) { return n * (sizeof(Ball) + sizeof(std::int32_t)) + sizeof(std::int32_t) * (kRegions + 1); }
+
+std::vector<KernelFacts> PartedBalls::kernels() {
+  return {kernel_facts("look_kernel", "part", {kStretches, 256}, look_kernel),
+          kernel_facts("region_count_kernel", "part", {1, kThreads}, region_count_kernel),
+          kernel_facts("part_kernel", "part", {1, kThreads}, part_kernel)};
+}
+
+}  // namespace touchstone

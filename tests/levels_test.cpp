@@ -1,0 +1,216 @@
+// What detector `levels` does beyond what every detector must: lists in a defined order, updates of balls that moved, and the
+// ways of large packings, tried on small ones. Built twice, as detectors_test.cpp is.
+#include "kernels/levels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "kernels/detection.h"
+#include "reference_cpu/all_pairs.h"
+#include "tests/small_packings.h"
+#if defined(TOUCHSTONE_NO_CUDA)
+#include "kernels/emulated/block_runner.h"
+#endif
+
+namespace touchstone {
+namespace {
+
+using small_packings_detail::Random;
+
+void set_order(std::uint64_t seed) {
+#if defined(TOUCHSTONE_NO_CUDA)
+  set_block_order_seed(seed);
+#else
+  (void)seed;  // a GPU has an order of its own
+#endif
+}
+
+struct LevelsTest : testing::Test {
+  void SetUp() override {
+    if (device_count() == 0) GTEST_SKIP() << "no usable GPU: the real kernels are not tested on this machine";
+  }
+  void TearDown() override { set_order(0); }
+};
+
+constexpr DetectorParams kFewThreads{.threads_broad = 64, .threads_narrow = 64};
+
+// The detector, its balls and its list.
+class Bed {
+ public:
+  Bed(const std::vector<Ball>& balls, const LevelOptions& options, bool reproducible, OutputForm form, std::int64_t capacity)
+      : stream_(Place::device),
+        detector_(make_levels_as(facts_of(balls), kFewThreads, options, reproducible, stream_)),
+        balls_(balls.size(), Place::device, stream_),
+        output_(Place::device, form, static_cast<std::int32_t>(balls.size()), capacity, stream_) {}
+
+  ContactList detect(const std::vector<Ball>& balls) { return run(balls, &Detector::detect); }
+  ContactList update(const std::vector<Ball>& balls) { return run(balls, &Detector::update); }
+  std::vector<Pair> pairs(std::int64_t count) { return download(output_.view().pair, count, stream_); }
+  std::vector<std::int32_t> lengths() { return download(output_.view().length, balls_.size(), stream_); }
+  std::vector<std::int32_t> slots() {
+    return download(output_.view().slot, output_.capacity() * static_cast<std::int64_t>(balls_.size()), stream_);
+  }
+
+ private:
+  ContactList run(const std::vector<Ball>& balls, void (Detector::*way)(BallsView, ContactsView, Stream&)) {
+    copy_async(balls_, std::span<const Ball>(balls), stream_);
+    ((*detector_).*way)({balls_.data(), static_cast<std::int32_t>(balls.size())}, output_.view(), stream_);
+    EXPECT_TRUE(detector_->report(output_.view(), stream_).complete());
+    return output_.download(stream_);
+  }
+
+  Stream stream_;
+  std::unique_ptr<Detector> detector_;
+  Buffer<Ball> balls_;
+  ContactStorage output_;
+};
+
+std::vector<Ball> small_packing(const std::string& name) {
+  for (SmallPacking& p : small_packings())
+    if (p.name == name) return p.balls;
+  throw std::logic_error("no small packing " + name);
+}
+
+// ---- a defined order ----
+
+TEST_F(LevelsTest, ReproducibleListsAreAscendingInEveryRun) {
+  for (const char* name : {"mixture_c1", "mixture_c4", "giant_among_dust", "one_place"}) {
+    SCOPED_TRACE(name);
+    const std::vector<Ball> balls = small_packing(name);
+    const std::vector<Pair> expected = all_pairs(balls).pairs;  // ascending
+    const auto n = static_cast<std::int32_t>(balls.size());
+    Bed in_pairs(balls, {}, true, OutputForm::pairs, static_cast<std::int64_t>(expected.size()));
+    Bed in_rows(balls, {}, true, OutputForm::ball_lists, n);
+    for (const std::uint64_t seed : {1, 2}) {
+      set_order(seed);
+      in_pairs.detect(balls);
+      EXPECT_EQ(in_pairs.pairs(expected.size()), expected) << "block order " << seed;
+      in_rows.detect(balls);
+      const std::vector<std::int32_t> length = in_rows.lengths(), slot = in_rows.slots();
+      for (std::int32_t i = 0; i < n; ++i)
+        for (std::int32_t k = 1; k < length[i]; ++k)
+          ASSERT_LT(slot[std::int64_t{k - 1} * n + i], slot[std::int64_t{k} * n + i]) << "ball " << i << ", entry " << k;
+    }
+  }
+}
+
+// ---- updates ----
+
+// Each ball by up to `most` on each axis.
+void shake(std::vector<Ball>& balls, double most, Random& random) {
+  for (Ball& b : balls) {
+    b.x += random.between(-most, most), b.y += random.between(-most, most), b.z += random.between(-most, most);
+  }
+}
+
+TEST_F(LevelsTest, UpdatesAreExactHoweverFarBallsMove) {
+  Random random(11);
+  for (const double cell_factor : {1.0, 4.0}) {
+    std::vector<Ball> balls = small_packings_detail::mixture(300, cell_factor, random);
+    const float rmin = facts_of(balls).rmin;
+    for (const OutputForm form : {OutputForm::pairs, OutputForm::ball_lists}) {
+      Bed bed(balls, {.updates = true}, false, form, form == OutputForm::pairs ? 300 * 300 : 300);
+      int step = 0;
+      // The first update has nothing to go by; then many within the drift allowed, past it, and far beyond any cell.
+      for (const double most : {0.0, 0.03, 0.03, 0.02, 0.03, 0.2, 0.05, 0.0, 5.0, 0.09, 300.0, 0.01}) {
+        shake(balls, most * rmin, random);
+        const ContactDifference difference = compare(bed.update(balls), all_pairs(balls));
+        EXPECT_TRUE(difference.equal()) << "C = " << cell_factor << ", step " << step << ": " << difference.text();
+        ++step;
+      }
+    }
+  }
+}
+
+TEST_F(LevelsTest, UpdatesFileAgainOnlyWhereOneMovedTooFar) {
+  Random random(12);
+  std::vector<Ball> balls = small_packings_detail::mixture(200, 2, random);
+  const PackingFacts facts = facts_of(balls);
+  Stream stream;
+  SortedLevels levels(facts, kFewThreads, {.updates = true}, stream);
+  Buffer<Ball> resident(balls.size(), Place::device, stream);
+  ContactStorage output(Place::device, OutputForm::pairs, facts.n, 100, stream);
+  const auto drift = [&] { return download(levels.view().drift, 1, stream)[0]; };
+  const auto file = [&](auto way) {
+    copy_async(resident, std::span<const Ball>(balls), stream);
+    (levels.*way)({resident.data(), facts.n}, output.view(), stream);
+  };
+  file(&SortedLevels::build);
+  EXPECT_EQ(drift().now, 0);
+  balls[7].y += 0.04f * facts.rmin;
+  file(&SortedLevels::update);
+  EXPECT_NEAR(drift().now, 0.04f * facts.rmin, 1e-3f * facts.rmin);
+  balls[9].x -= 0.3f * facts.rmin;
+  file(&SortedLevels::update);  // no search between took the first step over: the furthest of both counts
+  EXPECT_EQ(drift().now, 0);
+}
+
+// ---- large packings ----
+
+std::vector<Ball> by_rows(std::vector<Ball> balls) {
+  const float cell = 0.01f;
+  const auto key = [&](const Ball& b) { return std::pair(std::floor(b.z / cell), std::floor(b.y / cell)); };
+  std::sort(balls.begin(), balls.end(), [&](const Ball& a, const Ball& b) { return key(a) < key(b); });
+  return balls;
+}
+
+TEST_F(LevelsTest, BallsInNoOrderArePartedByRegion) {
+  Random random(13);
+  const std::vector<Ball> balls = small_packings_detail::mixture(20000, 1, random);  // in random order
+  const PackingFacts facts = facts_of(balls);
+  Stream stream;
+  PartedBalls parted(facts, stream);
+  Buffer<Ball> resident(balls.size(), Place::device, stream);
+  const auto part = [&](const std::vector<Ball>& given) {
+    copy_async(resident, std::span<const Ball>(given), stream);
+    return parted.part({resident.data(), facts.n}, stream);
+  };
+
+  const BallSource source = part(balls);
+  ASSERT_EQ(download(source.scattered, 1, stream)[0], 1);
+  const std::vector<Ball> copy = download(source.parted, facts.n, stream);
+  const std::vector<std::int32_t> number = download(source.number, facts.n, stream);
+  std::vector<int> seen(facts.n, 0);
+  int changes = 0;
+  const double side_y = (facts.centres.upper[1] - facts.centres.lower[1]) / 32.0;
+  for (std::int32_t k = 0; k < facts.n; ++k) {
+    ASSERT_EQ(++seen.at(number[k]), 1);
+    const Ball& b = balls[number[k]];
+    ASSERT_TRUE(copy[k].x == b.x && copy[k].y == b.y && copy[k].z == b.z && copy[k].r == b.r);
+    changes += k > 0 && std::abs(copy[k].y - copy[k - 1].y) > side_y;
+  }
+  EXPECT_LE(changes, 1024) << "only from region to region does y change by more than a region's width";
+
+  EXPECT_EQ(download(part(by_rows(balls)).scattered, 1, stream)[0], 0) << "they lie together as they are";
+}
+
+TEST_F(LevelsTest, WaysOfLargePackingsAreExact) {
+  Random random(14);
+  for (const double cell_factor : {1.0, 3.0}) {
+    const std::vector<Ball> mixed = small_packings_detail::mixture(1500, cell_factor, random);
+    for (const std::vector<Ball>& balls : {mixed, by_rows(mixed)}) {
+      Bed bed(balls, {.large_from = 0}, false, OutputForm::pairs, 1500 * 20);
+      for (int run = 0; run < 2; ++run)  // the second on what the first left
+        EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "C = " << cell_factor << ", run " << run;
+    }
+  }
+}
+
+// A row of more cells than a warp keeps in registers, in place and not; in one row alone, where no ball lies in another region.
+TEST_F(LevelsTest, LongRowsAreExact) {
+  Random random(15);
+  for (const double width : {0.01, 0.0}) {
+    std::vector<Ball> balls(600);
+    for (Ball& b : balls) b = {random.between(0, 1.5), random.between(0, width), random.between(0, width), 0.0025f};
+    for (const std::int64_t large_from : {std::int64_t{0}, std::int64_t{1} << 40}) {
+      Bed bed(balls, {.large_from = large_from}, false, OutputForm::pairs, 600 * 600);
+      EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "width " << width << ", large from " << large_from;
+      EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "again";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchstone
