@@ -317,13 +317,13 @@ __global__ void __maxnreg__(40) search_kernel(const __grid_constant__ LevelGrids
 
 class Levels : public Detector {
  public:
-  Levels(const PackingFacts& facts, const DetectorParams& params, Stream& stream)
+  Levels(const PackingFacts& facts, const DetectorParams& params, const LevelChoice& choice, Stream& stream)
       : n_(facts.n),
         threads_broad_(threads_or("levels", params.threads_broad, 256)),
         threads_narrow_(threads_or("levels", params.threads_narrow, 128)) {
     if (n_ == 0) return;
-    grids_ = plan_level_grids(facts, threads_broad_ / kWarpSize);
-    queries_ = plan_level_queries(facts, grids_, threads_narrow_);
+    grids_ = plan_level_grids(facts, threads_broad_ / kWarpSize, choice);
+    queries_ = plan_level_queries(facts, grids_, threads_narrow_, choice);
     require_memory("levels", grids_.entries, workspace_bytes(), "use fewer balls");
     overlap_ = can_overlap(search_kernel);
     count_ = Buffer<std::int32_t>(grids_.entries, Place::device, stream);
@@ -407,7 +407,12 @@ class Levels : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> make_levels(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
-  return std::make_unique<Levels>(facts, params, stream);
+  return make_chosen_levels(facts, params, {}, stream);
+}
+
+std::unique_ptr<Detector> make_chosen_levels(const PackingFacts& facts, const DetectorParams& params, const LevelChoice& choice,
+                                             Stream& stream) {
+  return std::make_unique<Levels>(facts, params, choice, stream);
 }
 
 }  // namespace touchstone
