@@ -1,11 +1,15 @@
 #include "kernels/level_grids.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
 #include "kernels/planning.h"
 #include "reference_cpu/radius_classes.h"
+#include "touchstone/error.h"
 
 namespace touchstone {
 namespace {
@@ -17,22 +21,27 @@ constexpr double kCellX = 1, kCellYZ = 2;
 // threads); a row of cells; a ball tested, in a level of one radius or of several.
 constexpr double kPerOwn = 200, kPerFiner = 1000, kPerRow = 35, kPerTest = 14, kPerTestOfSeveral = 18;
 
+// What a choice by hand may be: cells in radii; cells a ball.
+constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMostCellsABall = 1000;
+
 // A level has no more entries than this, far outliers or not: an index of all levels fits 32 bits.
-double most_entries(double balls) { return std::min(4 * balls + 64, 2.4e8); }
+constexpr double kCellsABall = 4;
+double most_entries(double balls, double cells_a_ball) { return std::min(cells_a_ball * balls + 64, 2.4e8); }
 
 std::int32_t cells_along(const Box& box, int axis, double edge) {
   const double length = static_cast<double>(box.upper[axis]) - box.lower[axis];
   return static_cast<std::int32_t>(std::min(std::floor(length / edge), 2e9)) + 1;
 }
 
-LevelGrid make_level(const Box& centres, const RadiusClass& c, float rmin) {
+// Cells of x and yz radii, or larger ones.
+LevelGrid make_level(const Box& centres, const RadiusClass& c, float rmin, double x, double yz, double cells_a_ball) {
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
   level.one_radius = level.radius == rmin;
-  for (double x = kCellX * c.radius, yz = kCellYZ * c.radius;; x *= 1.1, yz *= 1.1) {
+  for (x *= c.radius, yz *= c.radius;; x *= 1.1, yz *= 1.1) {
     level.inv_x = static_cast<float>(1 / x), level.inv_yz = static_cast<float>(1 / yz);
     level.nx = cells_along(centres, 0, x), level.ny = cells_along(centres, 1, yz), level.nz = cells_along(centres, 2, yz);
-    if ((level.nx + 1.0) * level.ny * level.nz <= most_entries(c.balls)) return level;
+    if ((level.nx + 1.0) * level.ny * level.nz <= most_entries(c.balls, cells_a_ball)) return level;
   }
 }
 
@@ -43,12 +52,54 @@ int lane_bits_for(double v) {
   return bits;
 }
 
+void require_cell(const char* what, double cell) {
+  if (cell != 0 && !(cell >= kLeastCell && cell <= kMostCell))
+    throw InputError(
+        fmt::format("levels: {} of {:g} radii; use {} to {}, or 0 for the plan's", what, cell, kLeastCell, kMostCell));
+}
+
+int lane_bits_of(const char* what, int lanes, int planned_bits) {
+  if (lanes == 0) return planned_bits;
+  if (lanes < 1 || lanes > 32 || !std::has_single_bit(static_cast<unsigned>(lanes)))
+    throw InputError(fmt::format("levels: {} {} threads a ball; use 1, 2, 4, 8, 16 or 32, or 0 for the plan's", lanes, what));
+  return std::countr_zero(static_cast<unsigned>(lanes));
+}
+
+// The classes between bounds chosen by hand. A bin that a bound cuts counts as the coarser level's: only sizes hang on that.
+std::vector<RadiusClass> classes_between(const PackingFacts& facts, const std::vector<float>& bounds) {
+  if (std::ssize(bounds) >= LevelGrids::kMost)
+    throw InputError(fmt::format("levels: {} bounds between levels; use at most {}", bounds.size(), LevelGrids::kMost - 1));
+  std::vector<RadiusClass> classes;
+  float before = 0;
+  for (const float bound : bounds) {
+    if (!(bound >= facts.rmin && bound < facts.rmax && bound > before))
+      throw InputError(fmt::format("levels: bound {:g} m after {:g} m; bounds ascend from rmin, {:g} m, to below rmax, {:g} m",
+                                   bound, before, facts.rmin, facts.rmax));
+    classes.push_back({0, 0, before = bound, 0});
+  }
+  classes.push_back({0, 0, facts.rmax, 0});
+  int bin = 0;
+  for (RadiusClass& c : classes) {
+    c.first = bin;
+    for (; bin < std::ssize(facts.radii) && facts.radii[bin].first <= c.radius; ++bin) c.balls += facts.radii[bin].second;
+    c.last = bin;
+  }
+  return classes;
+}
+
 }  // namespace
 
-LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block) {
+LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice) {
+  require_cell("cell_x", choice.cell_x);
+  require_cell("cell_yz", choice.cell_yz);
+  if (choice.cells_a_ball != 0 && !(choice.cells_a_ball >= kLeastCellsABall && choice.cells_a_ball <= kMostCellsABall))
+    throw InputError(fmt::format("levels: {:g} cells a ball; use {} to {}, or 0 for the plan's", choice.cells_a_ball,
+                                 kLeastCellsABall, kMostCellsABall));
+  const double cells_a_ball = choice.cells_a_ball != 0 ? choice.cells_a_ball : kCellsABall;
+  const double cell_x = choice.cell_x != 0 ? choice.cell_x : kCellX, cell_yz = choice.cell_yz != 0 ? choice.cell_yz : kCellYZ;
   const double volume = facts.surfaces.volume();
-  const auto query = [volume, &facts](double radius, const RadiusClass& level, double share) {
-    const double x = kCellX * level.radius, yz = kCellYZ * level.radius, width = 2 * (radius + level.radius);
+  const auto query = [=, &facts](double radius, const RadiusClass& level, double share) {
+    const double x = cell_x * level.radius, yz = cell_yz * level.radius, width = 2 * (radius + level.radius);
     const double rows = std::pow(width / yz + 1, 2);
     const double tests = level.balls * std::min(1.0, (width + x) * std::pow(width + yz, 2) / volume);
     const double per_test = level.radius > facts.rmin ? kPerTestOfSeveral : kPerTest;
@@ -57,9 +108,10 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block) {
 
   LevelGrids grids;
   grids.x0 = facts.centres.lower[0], grids.y0 = facts.centres.lower[1], grids.z0 = facts.centres.lower[2];
-  for (const RadiusClass& c : split_radii(facts, LevelGrids::kMost, query)) {
+  const auto classes = choice.bounds ? classes_between(facts, *choice.bounds) : split_radii(facts, LevelGrids::kMost, query);
+  for (const RadiusClass& c : classes) {
     LevelGrid& level = grids.level[grids.levels++];
-    level = make_level(facts.centres, c, facts.rmin);
+    level = make_level(facts.centres, c, facts.rmin, cell_x, cell_yz, cells_a_ball);
     level.first_entry = grids.entries, level.first_row = grids.rows;
     grids.entries += level.rows() * (level.nx + 1);
     grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));
@@ -67,7 +119,7 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block) {
   return grids;
 }
 
-LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads) {
+LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice) {
   constexpr double kThreads =
       1 << 16;  // with fewer, a large GPU has too few warps to switch between: then several threads a ball
   std::vector<double> balls(grids.levels, 0);
@@ -86,9 +138,13 @@ LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& gri
     const LevelGrid& own = grids.level[asking];
     for (int asked = 0; asked < asking; ++asked) {
       const double rows = std::pow((own.radius + grids.level[asked].radius) * grids.level[asked].inv_yz + 2, 2);
-      add(asking, asked, lane_bits_for(std::min(rows, facts.n < 100000 ? 32.0 : 16.0)));
+      const int planned = lane_bits_for(std::min(rows, facts.n < 100000 ? 32.0 : 16.0));
+      add(asking, asked, lane_bits_of("lanes_finer", choice.lanes_finer, planned));
     }
-    add(asking, asking, lane_bits_for(std::clamp(kThreads / facts.n, asking == 0 ? 1.0 : 4.0, 8.0)));
+    const int planned = lane_bits_for(std::clamp(kThreads / facts.n, asking == 0 ? 1.0 : 4.0, 8.0));
+    add(asking, asking,
+        asking == 0 ? lane_bits_of("lanes_finest", choice.lanes_finest, planned)
+                    : lane_bits_of("lanes_own", choice.lanes_own, planned));
   }
   return queries;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "touchstone/grid.h"
 #include "touchstone/host_device.h"
@@ -54,10 +56,22 @@ struct LevelQueries {
   LevelQuery query[kMost] = {};
 };
 
-// Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic.
-LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block);
+// What a study may choose by hand; what is left as it is here is planned. Contact sets are exact whatever is chosen.
+struct LevelChoice {
+  // Largest radius of each level but the coarsest, whose is rmax; ascending, m, from rmin to below rmax; at most kMost - 1. None
+  // makes a single level.
+  std::optional<std::vector<float>> bounds;
+  double cell_x = 0, cell_yz = 0;  // edges of every level's cells, in that level's radius; larger where cells would be too many
+  double cells_a_ball = 0;         // a level has at most so many cells for each of its balls, and a few more
+  // Threads a ball, 1, 2, 4 … 32: where the finest level asks itself, another level itself, a level a finer one.
+  int lanes_finest = 0, lanes_own = 0, lanes_finer = 0;
+};
 
-// The searches for balls as many as the facts say, in blocks of `threads`.
-LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads);
+// Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic. Throws InputError
+// for a choice that is none: which, and what would do.
+LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
+
+// The searches for balls as many as the facts say, in blocks of `threads`. Throws InputError as above.
+LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {});
 
 }  // namespace touchstone

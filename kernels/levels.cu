@@ -221,14 +221,14 @@ __global__ void __maxnreg__(40)
 
 class Levels : public Detector {
  public:
-  Levels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, bool reproducible, Stream& stream)
+  Levels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
       : n_(facts.n),
         threads_narrow_(threads_or("levels", params.threads_narrow, 128)),
         updates_(options.updates),
         index_(facts, params, options, stream) {
     if (n_ == 0) return;
-    queries_ = plan_level_queries(facts, index_.grids(), threads_narrow_);
-    if (reproducible) rows_.emplace(n_, stream);
+    queries_ = plan_level_queries(facts, index_.grids(), threads_narrow_, options.choice);
+    if (options.reproducible) rows_.emplace(n_, stream);
   }
 
   void detect(BallsView in, ContactsView out, Stream& stream) override {
@@ -291,16 +291,21 @@ class Levels : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> make_levels_as(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options,
-                                         bool reproducible, Stream& stream) {
-  return std::make_unique<Levels>(facts, params, options, reproducible, stream);
+                                         Stream& stream) {
+  return std::make_unique<Levels>(facts, params, options, stream);
 }
 
 std::unique_ptr<Detector> make_levels(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
-  return make_levels_as(facts, params, {.updates = params.updates}, false, stream);
+  return make_levels_as(facts, params, {.updates = params.updates}, stream);
 }
 
 std::unique_ptr<Detector> make_reproducible_levels(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
-  return make_levels_as(facts, params, {.updates = params.updates}, true, stream);
+  return make_levels_as(facts, params, {.updates = params.updates, .reproducible = true}, stream);
+}
+
+std::unique_ptr<Detector> make_chosen_levels(const PackingFacts& facts, const DetectorParams& params, const LevelChoice& choice,
+                                             Stream& stream) {
+  return make_levels_as(facts, params, {.updates = params.updates, .choice = choice}, stream);
 }
 
 }  // namespace touchstone

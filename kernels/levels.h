@@ -5,8 +5,7 @@
 
 namespace touchstone {
 
-// `reproducible`: the pair list comes ascending, (i, j) by i and then j, each ball's row ascending, the same bytes in every run.
 std::unique_ptr<Detector> make_levels_as(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options,
-                                         bool reproducible, Stream& stream);
+                                         Stream& stream);
 
 }  // namespace touchstone

@@ -191,7 +191,7 @@ bool any_of_several_radii(const LevelGrids& grids) {
 SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
     : n_(facts.n), threads_(threads_or("levels", params.threads_broad, 256)), options_(options) {
   if (n_ == 0) return;
-  grids_ = plan_level_grids(facts, threads_ / kWarpSize);
+  grids_ = plan_level_grids(facts, threads_ / kWarpSize, options.choice);
   large_ = n_ >= options.large_from;
   in_place_ = large_ && !options.updates;  // an update that files nothing must find the starts as they were
   require_memory("levels", grids_.entries, bytes(), "use fewer balls");

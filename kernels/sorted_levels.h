@@ -48,8 +48,10 @@ struct SortedLevelsView {
 };
 
 struct LevelOptions {
-  bool updates = false;                                // update() will be called: 4 bytes a ball
-  std::int64_t large_from = std::int64_t{1} << 21;     // balls from which memory is spared, and balls parted by region
+  bool updates = false;                             // update() will be called: 4 bytes a ball
+  bool reproducible = false;                        // lists ascending, the same bytes in every run: 8 bytes a ball
+  std::int64_t large_from = std::int64_t{1} << 21;  // balls from which memory is spared, and balls parted by region
+  LevelChoice choice = {};
 };
 
 class SortedLevels {

@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
+#include "kernels/detection.h"
+#include "kernels/variants.h"
+#include "reference_cpu/all_pairs.h"
 #include "tests/small_packings.h"
+#include "touchstone/error.h"
 
 namespace touchstone {
 namespace {
@@ -93,6 +98,116 @@ TEST(LevelQueries, EachLevelAsksItselfAndAllFinerOnesOnce) {
       EXPECT_GE(std::int64_t{q.blocks} * kThreads, in_level[q.asking] << q.lane_bits) << "a thread for each ball and lane";
       blocks += q.blocks;
     }
+  }
+}
+
+// ---- levels chosen by hand ----
+
+const DetectorInfo& levels_row() {
+  const auto all = gpu_detectors();
+  return *std::find_if(all.begin(), all.end(), [](const DetectorInfo& d) { return d.name == "levels"; });
+}
+
+ContactList contacts_of(const std::vector<Ball>& balls, const LevelChoice& choice, OutputForm form) {
+  const PackingFacts facts = facts_of(balls);
+  Stream stream(Place::device);
+  Detection d;
+  d.balls = Buffer<Ball>(balls.size(), Place::device, stream);
+  copy_async(d.balls, std::span<const Ball>(balls), stream);
+  d.detector = make_chosen_levels(facts, {.threads_broad = 32, .threads_narrow = 64}, choice, stream);
+  complete_detection(d, levels_row(), facts, {}, form, stream, 1000);
+  return d.output->download(stream);
+}
+
+// Bounds at these shares of the way from rmin to rmax; 0 is rmin.
+std::vector<float> bounds_at(const PackingFacts& facts, const std::vector<float>& shares) {
+  std::vector<float> bounds;
+  for (const float s : shares) bounds.push_back(facts.rmin + s * (facts.rmax - facts.rmin));
+  return bounds;
+}
+
+TEST(LevelChoice, AnySensibleOneIsExact) {
+  small_packings_detail::Random random(21);
+  std::vector<Ball> mixture = small_packings_detail::mixture(70, 5, random), dense = small_packings_detail::wide(70, 20, random);
+  for (Ball& b : dense) b.x *= 0.3f, b.y *= 0.3f, b.z *= 0.3f;
+  for (const auto& [name, balls] : {std::pair{"mixture", &mixture}, std::pair{"dense", &dense}}) {
+    const PackingFacts facts = facts_of(*balls);
+    const ContactList expected = all_pairs(*balls);
+    ASSERT_GT(expected.count(), 30) << name;
+    const auto expect_exact = [&, name = name, balls = balls](const LevelChoice& choice, const std::string& what) {
+      const ContactDifference difference = compare(contacts_of(*balls, choice, OutputForm::pairs), expected);
+      EXPECT_TRUE(difference.equal()) << name << ", " << what << ": " << difference.text();
+    };
+    for (const std::vector<float>& shares :
+         std::vector<std::vector<float>>{{}, {0}, {0.1f, 0.5f}, {0, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}})
+      expect_exact({.bounds = bounds_at(facts, shares)}, std::to_string(shares.size()) + " bounds");
+    for (const auto& [x, yz] : {std::pair{0.7, 1.4}, {2.0, 2.8}, {0.7, 2.8}})
+      expect_exact({.bounds = bounds_at(facts, {0.2f}), .cell_x = x, .cell_yz = yz, .cells_a_ball = 10},
+                   "cells of " + std::to_string(x) + " and " + std::to_string(yz));
+    for (const int lanes : {1, 32})
+      expect_exact({.bounds = bounds_at(facts, {0, 0.3f}), .lanes_finest = lanes, .lanes_own = 32 / lanes, .lanes_finer = lanes},
+                   std::to_string(lanes) + " lanes");
+  }
+}
+
+TEST(LevelChoice, IsWhatTheGridsAreMadeOf) {
+  const PackingFacts facts = facts_of(mixture(20000, 6));
+  const LevelChoice choice{.bounds = bounds_at(facts, {0, 0.25f, 0.5f}),
+                           .cell_x = 1.4,
+                           .cell_yz = 2.8,
+                           .cells_a_ball = 1000,
+                           .lanes_finest = 16,
+                           .lanes_own = 2,
+                           .lanes_finer = 1};
+  const LevelGrids grids = plan_level_grids(facts, kRowsABlock, choice);
+  ASSERT_EQ(grids.levels, 4);
+  for (int l = 0; l < 4; ++l) {
+    const LevelGrid& g = grids.level[l];
+    EXPECT_EQ(g.radius, l < 3 ? (*choice.bounds)[l] : facts.rmax);
+    EXPECT_EQ(g.one_radius, l == 0);
+    EXPECT_FLOAT_EQ(g.inv_x, 1 / (1.4f * g.radius)) << "level " << l;
+    EXPECT_FLOAT_EQ(g.inv_yz, 1 / (2.8f * g.radius)) << "level " << l;
+  }
+  expect_sound(mixture(20000, 6), grids);
+  const LevelQueries queries = plan_level_queries(facts, grids, kThreads, choice);
+  for (int k = 0; k < queries.count; ++k) {
+    const LevelQuery& q = queries.query[k];
+    EXPECT_EQ(1 << q.lane_bits, q.asked < q.asking ? 1 : q.asking > 0 ? 2 : 16) << q.asking << " asks " << q.asked;
+  }
+}
+
+TEST(LevelChoice, OfThePlansOwnBoundsIsThePlan) {
+  small_packings_detail::Random random(22);
+  const PackingFacts facts = facts_of(small_packings_detail::wide(20000, 50, random));
+  const LevelGrids planned = plan_level_grids(facts, kRowsABlock);
+  ASSERT_GE(planned.levels, 3);
+  LevelChoice same{.bounds = std::vector<float>()};
+  for (int l = 0; l + 1 < planned.levels; ++l) same.bounds->push_back(planned.level[l].radius);
+  const LevelGrids chosen = plan_level_grids(facts, kRowsABlock, same);
+  EXPECT_EQ(chosen.levels, planned.levels);
+  EXPECT_EQ(chosen.entries, planned.entries);
+  EXPECT_EQ(chosen.rows, planned.rows);
+}
+
+TEST(LevelChoice, ThatIsNoneIsRefused) {
+  const PackingFacts facts = facts_of(mixture(2000, 4));
+  const auto plan = [&](const LevelChoice& choice) {
+    plan_level_queries(facts, plan_level_grids(facts, kRowsABlock, choice), kThreads, choice);
+  };
+  EXPECT_NO_THROW(plan({.bounds = bounds_at(facts, {0, 0.5f})}));
+  for (const std::vector<float>& shares :
+       std::vector<std::vector<float>>{{-0.1f}, {1}, {1.5f}, {0.5f, 0.5f}, {0.5f, 0.2f}, {0, .1f, .2f, .3f, .4f, .5f, .6f, .7f}})
+    EXPECT_THROW(plan({.bounds = bounds_at(facts, shares)}), InputError)
+        << shares.size() << " bounds, the last " << shares.back();
+  for (const double cell : {-1.0, 0.01, 1000.0, std::nan("")}) {
+    EXPECT_THROW(plan({.cell_x = cell}), InputError) << cell;
+    EXPECT_THROW(plan({.cell_yz = cell}), InputError) << cell;
+  }
+  for (const double cells : {-1.0, 0.001, 1e6, std::nan("")}) EXPECT_THROW(plan({.cells_a_ball = cells}), InputError) << cells;
+  for (const int lanes : {-1, 3, 64}) {
+    EXPECT_THROW(plan({.lanes_finest = lanes}), InputError) << lanes;
+    EXPECT_THROW(plan({.bounds = bounds_at(facts, {0}), .lanes_own = lanes}), InputError) << lanes;
+    EXPECT_THROW(plan({.bounds = bounds_at(facts, {0}), .lanes_finer = lanes}), InputError) << lanes;
   }
 }
 

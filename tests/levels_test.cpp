@@ -39,9 +39,9 @@ constexpr DetectorParams kFewThreads{.threads_broad = 64, .threads_narrow = 64};
 // The detector, its balls and its list.
 class Bed {
  public:
-  Bed(const std::vector<Ball>& balls, const LevelOptions& options, bool reproducible, OutputForm form, std::int64_t capacity)
+  Bed(const std::vector<Ball>& balls, const LevelOptions& options, OutputForm form, std::int64_t capacity)
       : stream_(Place::device),
-        detector_(make_levels_as(facts_of(balls), kFewThreads, options, reproducible, stream_)),
+        detector_(make_levels_as(facts_of(balls), kFewThreads, options, stream_)),
         balls_(balls.size(), Place::device, stream_),
         output_(Place::device, form, static_cast<std::int32_t>(balls.size()), capacity, stream_) {}
 
@@ -81,8 +81,8 @@ TEST_F(LevelsTest, ReproducibleListsAreAscendingInEveryRun) {
     const std::vector<Ball> balls = small_packing(name);
     const std::vector<Pair> expected = all_pairs(balls).pairs;  // ascending
     const auto n = static_cast<std::int32_t>(balls.size());
-    Bed in_pairs(balls, {}, true, OutputForm::pairs, static_cast<std::int64_t>(expected.size()));
-    Bed in_rows(balls, {}, true, OutputForm::ball_lists, n);
+    Bed in_pairs(balls, {.reproducible = true}, OutputForm::pairs, static_cast<std::int64_t>(expected.size()));
+    Bed in_rows(balls, {.reproducible = true}, OutputForm::ball_lists, n);
     for (const std::uint64_t seed : {1, 2}) {
       set_order(seed);
       in_pairs.detect(balls);
@@ -111,7 +111,7 @@ TEST_F(LevelsTest, UpdatesAreExactHoweverFarBallsMove) {
     std::vector<Ball> balls = small_packings_detail::mixture(300, cell_factor, random);
     const float rmin = facts_of(balls).rmin;
     for (const OutputForm form : {OutputForm::pairs, OutputForm::ball_lists}) {
-      Bed bed(balls, {.updates = true}, false, form, form == OutputForm::pairs ? 300 * 300 : 300);
+      Bed bed(balls, {.updates = true}, form, form == OutputForm::pairs ? 300 * 300 : 300);
       int step = 0;
       // The first update has nothing to go by; then many within the drift allowed, past it, and far beyond any cell.
       for (const double most : {0.0, 0.03, 0.03, 0.02, 0.03, 0.2, 0.05, 0.0, 5.0, 0.09, 300.0, 0.01}) {
@@ -191,7 +191,7 @@ TEST_F(LevelsTest, WaysOfLargePackingsAreExact) {
   for (const double cell_factor : {1.0, 3.0}) {
     const std::vector<Ball> mixed = small_packings_detail::mixture(1500, cell_factor, random);
     for (const std::vector<Ball>& balls : {mixed, by_rows(mixed)}) {
-      Bed bed(balls, {.large_from = 0}, false, OutputForm::pairs, 1500 * 20);
+      Bed bed(balls, {.large_from = 0}, OutputForm::pairs, 1500 * 20);
       for (int run = 0; run < 2; ++run)  // the second on what the first left
         EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "C = " << cell_factor << ", run " << run;
     }
@@ -205,7 +205,7 @@ TEST_F(LevelsTest, LongRowsAreExact) {
     std::vector<Ball> balls(600);
     for (Ball& b : balls) b = {random.between(0, 1.5), random.between(0, width), random.between(0, width), 0.0025f};
     for (const std::int64_t large_from : {std::int64_t{0}, std::int64_t{1} << 40}) {
-      Bed bed(balls, {.large_from = large_from}, false, OutputForm::pairs, 600 * 600);
+      Bed bed(balls, {.large_from = large_from}, OutputForm::pairs, 600 * 600);
       EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "width " << width << ", large from " << large_from;
       EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "again";
     }
