@@ -295,6 +295,10 @@ std::unique_ptr<Detector> make_levels_as(const PackingFacts& facts, const Detect
   return std::make_unique<Levels>(facts, params, options, stream);
 }
 
+std::int64_t levels_bytes(std::int64_t n, const PackingFacts& like, const DetectorParams& params) {
+  return SortedLevels::bytes_for(n, like, {.updates = params.updates});
+}
+
 std::unique_ptr<Detector> make_levels(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
   return make_levels_as(facts, params, {.updates = params.updates}, stream);
 }

@@ -104,11 +104,13 @@ PartedBalls::PartedBalls(const PackingFacts& facts, Stream& stream)
       z0_(facts.centres.lower[2]),
       inv_y_(inverse(facts.centres.lower[1], facts.centres.upper[1])),
       inv_z_(inverse(facts.centres.lower[2], facts.centres.upper[2])),
-      ball_(facts.n, Place::device, stream),
-      number_(facts.n, Place::device, stream),
       fill_(kRegions + 1, Place::device, stream) {}
 
-BallSource PartedBalls::part(BallsView in, Stream& stream) {
+BallSource PartedBalls::part(BallsView in, Room room, Stream& stream) {
+  const std::int64_t needed = (sizeof(Ball) + sizeof(std::int32_t)) * std::int64_t{in.n};
+  if (room.bytes < needed || reinterpret_cast<std::uintptr_t>(room.at) % alignof(Ball) != 0) return {in.data, in.n};
+  Ball* const ball = static_cast<Ball*>(room.at);
+  auto* const number = reinterpret_cast<std::int32_t*>(ball + in.n);
   const Regions regions{y0_, z0_, inv_y_, inv_z_};
   std::int32_t* const fill = fill_.data();
   std::int32_t* const scattered = fill + kRegions;
@@ -118,11 +120,11 @@ BallSource PartedBalls::part(BallsView in, Stream& stream) {
   launch(stream, {1, 32}, decide_kernel, scattered);
   launch(stream, tiles, region_count_kernel, in, regions, scattered, fill);
   launch(stream, {1, kRegions}, region_first_kernel, fill);
-  launch(stream, tiles, part_kernel, in, regions, scattered, fill, ball_.data(), number_.data());
-  return {in.data, in.n, scattered, ball_.data(), number_.data()};
+  launch(stream, tiles, part_kernel, in, regions, scattered, fill, ball, number);
+  return {in.data, in.n, scattered, ball, number};
 }
 
-std::int64_t PartedBalls::bytes(std::int64_t n) { return n * (sizeof(Ball) + sizeof(std::int32_t)) + sizeof(std::int32_t) * (kRegions + 1); }
+std::int64_t PartedBalls::bytes() { return sizeof(std::int32_t) * (kRegions + 1); }
 
 std::vector<KernelFacts> PartedBalls::kernels() {
   return {kernel_facts("look_kernel", "part", {kStretches, 256}, look_kernel),

@@ -18,20 +18,26 @@ struct BallSource {
   const std::int32_t* number = nullptr;     // [n] of ball k of the copy
 };
 
+// Room lent for a while: nobody else's contents while it is used.
+struct Room {
+  void* at = nullptr;
+  std::int64_t bytes = 0;
+};
+
 // A copy of the balls in which those of one region lie together. 1,024 regions: 32 x 32 columns along x, over y and z.
 // A look at eight stretches of the balls says first whether they lie so already; then nothing is copied.
 class PartedBalls {
  public:
   PartedBalls(const PackingFacts& facts, Stream& stream);
-  // Enqueues; `in` must stay as it is as long as the source is used.
-  BallSource part(BallsView in, Stream& stream);
-  static std::int64_t bytes(std::int64_t n);  // of device memory for n balls
+  // Enqueues. The copy takes 20 bytes a ball of `room`; where that is too small or not aligned to 16, balls stay as they are.
+  // `in` and `room` must be left alone as long as the source is used.
+  BallSource part(BallsView in, Room room, Stream& stream);
+  static std::int64_t bytes();  // of its own, whatever the balls
   static std::vector<KernelFacts> kernels();
 
  private:
   float y0_, z0_, inv_y_, inv_z_;
-  Buffer<Ball> ball_;
-  Buffer<std::int32_t> number_, fill_;
+  Buffer<std::int32_t> fill_;
 };
 
 }  // namespace touchstone

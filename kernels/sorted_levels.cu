@@ -1,5 +1,7 @@
 #include "kernels/sorted_levels.h"
 
+#include <cmath>
+
 #include "kernels/cuda_dialect.h"
 #include "kernels/planning.h"
 #include "kernels/warp_sum.h"
@@ -186,6 +188,21 @@ bool any_of_several_radii(const LevelGrids& grids) {
   return false;
 }
 
+// An update that files nothing must find the starts as they were: it keeps the counts apart.
+bool counts_in_place(std::int64_t n, const LevelOptions& options) { return n >= options.large_from && !options.updates; }
+
+std::int64_t memory_of(std::int64_t n, std::int64_t entries, bool several_radii, const LevelOptions& options) {
+  const std::int64_t words = (counts_in_place(n, options) ? 1 : 2) * entries + (1 + several_radii + options.updates) * n;
+  return sizeof(std::int32_t) * (words + 3 * kMostLevels) + sizeof(PlacedBall) * n + sizeof(LevelState) * kMostLevels + sizeof(Drift) +
+         (n >= options.large_from ? PartedBalls::bytes() : 0);
+}
+
+// The storage for contacts, which nothing writes before the search.
+Room room_of(const ContactsView& out) {
+  if (out.form == OutputForm::pairs) return {out.pair, out.pair_capacity * static_cast<std::int64_t>(sizeof(Pair))};
+  return {out.slot, std::int64_t{out.row_capacity} * out.n * static_cast<std::int64_t>(sizeof(*out.slot))};
+}
+
 }  // namespace
 
 SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
@@ -193,7 +210,7 @@ SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& para
   if (n_ == 0) return;
   grids_ = plan_level_grids(facts, threads_ / kWarpSize, options.choice);
   large_ = n_ >= options.large_from;
-  in_place_ = large_ && !options.updates;  // an update that files nothing must find the starts as they were
+  in_place_ = counts_in_place(n_, options);
   require_memory("levels", grids_.entries, bytes(), "use fewer balls");
   overlaps_ = can_overlap(rows_kernel);
   const auto words = [&](std::int64_t size) { return Buffer<std::int32_t>(size, Place::device, stream); };
@@ -213,11 +230,14 @@ SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& para
 }
 
 std::int64_t SortedLevels::bytes() const {
-  if (n_ == 0) return 0;
-  const std::int64_t words_a_ball = 1 + any_of_several_radii(grids_) + options_.updates;
-  return sizeof(std::int32_t) * ((in_place_ ? 1 : 2) * std::int64_t{grids_.entries} + words_a_ball * n_ + 3 * kMostLevels) +
-         sizeof(PlacedBall) * std::int64_t{n_} + kMostLevels * sizeof(LevelState) + sizeof(Drift) +
-         (large_ ? PartedBalls::bytes(n_) : 0);
+  return n_ == 0 ? 0 : memory_of(n_, grids_.entries, any_of_several_radii(grids_), options_);
+}
+
+std::int64_t SortedLevels::bytes_for(std::int64_t n, const PackingFacts& like, const LevelOptions& options) {
+  if (n == 0 || like.n == 0) return 0;
+  const LevelGrids grids = plan_level_grids(like, 1, options.choice);
+  const double entries = static_cast<double>(grids.entries) * static_cast<double>(n) / like.n;
+  return memory_of(n, std::llround(entries), any_of_several_radii(grids), options);
 }
 
 SortedLevelsView SortedLevels::view() const {
@@ -251,7 +271,7 @@ void SortedLevels::build(BallsView in, ContactsView out, Stream& stream) {
   BallSource source{in.data, in.n};
   if (large_) {
     stream.mark("part");
-    source = parted_->part(in, stream);
+    source = parted_->part(in, room_of(out), stream);
   }
   if (in_place_) fill_async(start_, 0, stream);
   file(source, out, true, stream);

@@ -59,7 +59,8 @@ class SortedLevels {
   // Throws InputError for threads_broad no launch takes, and where the device has no room.
   SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream);
 
-  // Files the n > 0 balls. Clears the counter of `out`, or the lengths of its rows.
+  // Files the n > 0 balls. Clears the counter of `out`, or the lengths of its rows; what has room for contacts may hold a copy
+  // of the balls meanwhile.
   void build(BallsView in, ContactsView out, Stream& stream);
 
   // The same for balls that may have moved since they were filed: takes their new positions, and files them again only where one
@@ -69,6 +70,9 @@ class SortedLevels {
   const LevelGrids& grids() const { return grids_; }
   SortedLevelsView view() const;
   std::int64_t bytes() const;  // of device memory
+
+  // The same before anything is made, for n balls packed as those of `like`; n may be beyond what a detector takes.
+  static std::int64_t bytes_for(std::int64_t n, const PackingFacts& like, const LevelOptions& options);
   int threads() const { return threads_; }
   bool overlaps() const { return overlaps_; }  // launch_after() may be told so
   std::vector<KernelFacts> kernels() const;

@@ -149,6 +149,23 @@ TEST_F(LevelsTest, UpdatesFileAgainOnlyWhereOneMovedTooFar) {
 
 // ---- large packings ----
 
+TEST(LevelsMemory, IsKnownBeforehandForAnyNumberOfBalls) {
+  Random random(16);
+  for (const double cell_factor : {1.0, 4.0}) {
+    const std::vector<Ball> balls = small_packings_detail::mixture(3000, cell_factor, random);
+    const PackingFacts facts = facts_of(balls);
+    if (device_count() > 0) {
+      Stream stream;
+      EXPECT_EQ(levels_bytes(facts.n, facts), make_levels_as(facts, kFewThreads, {}, stream)->workspace_bytes());
+    }
+    const std::int64_t small = levels_bytes(1'000'000, facts), large = levels_bytes(4'000'000'000, facts);
+    EXPECT_GT(small, 20'000'000) << "a ball's place and rank";
+    EXPECT_LT(small, 60'000'000);
+    EXPECT_GT(large, 4'000'000'000 * 20) << "no 32-bit number has overflown";
+    EXPECT_LT(large, 4'000'000'000 * 60);
+  }
+}
+
 std::vector<Ball> by_rows(std::vector<Ball> balls) {
   const float cell = 0.01f;
   const auto key = [&](const Ball& b) { return std::pair(std::floor(b.z / cell), std::floor(b.y / cell)); };
@@ -163,9 +180,10 @@ TEST_F(LevelsTest, BallsInNoOrderArePartedByRegion) {
   Stream stream;
   PartedBalls parted(facts, stream);
   Buffer<Ball> resident(balls.size(), Place::device, stream);
+  Buffer<Ball> room(balls.size() * 5 / 4, Place::device, stream);  // 20 bytes a ball
   const auto part = [&](const std::vector<Ball>& given) {
     copy_async(resident, std::span<const Ball>(given), stream);
-    return parted.part({resident.data(), facts.n}, stream);
+    return parted.part({resident.data(), facts.n}, {room.data(), static_cast<std::int64_t>(room.bytes())}, stream);
   };
 
   const BallSource source = part(balls);
@@ -183,6 +201,7 @@ TEST_F(LevelsTest, BallsInNoOrderArePartedByRegion) {
   }
   EXPECT_LE(changes, 1024) << "only from region to region does y change by more than a region's width";
 
+  EXPECT_EQ(parted.part({resident.data(), facts.n}, {room.data(), 20 * facts.n - 1}, stream).scattered, nullptr) << "no room";
   EXPECT_EQ(download(part(by_rows(balls)).scattered, 1, stream)[0], 0) << "they lie together as they are";
 }
 
@@ -190,11 +209,15 @@ TEST_F(LevelsTest, WaysOfLargePackingsAreExact) {
   Random random(14);
   for (const double cell_factor : {1.0, 3.0}) {
     const std::vector<Ball> mixed = small_packings_detail::mixture(1500, cell_factor, random);
-    for (const std::vector<Ball>& balls : {mixed, by_rows(mixed)}) {
-      Bed bed(balls, {.large_from = 0}, OutputForm::pairs, 1500 * 20);
+    const ContactList expected = all_pairs(mixed);
+    // With room for a copy of the balls among the contacts, and without.
+    for (const std::int64_t capacity : {std::int64_t{1500} * 20, expected.count()}) {
+      Bed bed(mixed, {.large_from = 0}, OutputForm::pairs, capacity);
       for (int run = 0; run < 2; ++run)  // the second on what the first left
-        EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "C = " << cell_factor << ", run " << run;
+        EXPECT_TRUE(compare(bed.detect(mixed), expected).equal()) << "C = " << cell_factor << ", run " << run;
     }
+    Bed rows(mixed, {.large_from = 0}, OutputForm::ball_lists, 200);
+    EXPECT_TRUE(compare(rows.detect(mixed), expected).equal()) << "C = " << cell_factor << ", rows";
   }
 }
 
