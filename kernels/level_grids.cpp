@@ -24,9 +24,12 @@ constexpr double kPerOwn = 200, kPerFiner = 1000, kPerRow = 35, kPerTest = 14, k
 // What a choice by hand may be: cells in radii; cells a ball.
 constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMostCellsABall = 1000;
 
-// A level has no more entries than this, far outliers or not: an index of all levels fits 32 bits.
-constexpr double kCellsABall = 4;
-double most_entries(double balls, double cells_a_ball) { return std::min(cells_a_ball * balls + 64, 2.4e8); }
+// A level has no more entries than this, far outliers or not, and an index of all levels fits 32 bits: past some 500 million
+// balls each level has its share of those.
+constexpr double kCellsABall = 4, kMostEntries = 2.147e9;
+double most_entries(double balls, double of_balls, double cells_a_ball) {
+  return std::min(cells_a_ball * balls, kMostEntries * balls / of_balls) + 64;
+}
 
 std::int32_t cells_along(const Box& box, int axis, double edge) {
   const double length = static_cast<double>(box.upper[axis]) - box.lower[axis];
@@ -34,14 +37,15 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
 }
 
 // Cells of x and yz radii, or larger ones.
-LevelGrid make_level(const Box& centres, const RadiusClass& c, float rmin, double x, double yz, double cells_a_ball) {
+LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, double yz, double cells_a_ball) {
+  const Box& centres = facts.centres;
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
-  level.one_radius = level.radius == rmin;
+  level.one_radius = level.radius == facts.rmin;
   for (x *= c.radius, yz *= c.radius;; x *= 1.1, yz *= 1.1) {
     level.inv_x = static_cast<float>(1 / x), level.inv_yz = static_cast<float>(1 / yz);
     level.nx = cells_along(centres, 0, x), level.ny = cells_along(centres, 1, yz), level.nz = cells_along(centres, 2, yz);
-    if ((level.nx + 1.0) * level.ny * level.nz <= most_entries(c.balls, cells_a_ball)) return level;
+    if ((level.nx + 1.0) * level.ny * level.nz <= most_entries(c.balls, facts.n, cells_a_ball)) return level;
   }
 }
 
@@ -111,7 +115,7 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const L
   const auto classes = choice.bounds ? classes_between(facts, *choice.bounds) : split_radii(facts, LevelGrids::kMost, query);
   for (const RadiusClass& c : classes) {
     LevelGrid& level = grids.level[grids.levels++];
-    level = make_level(facts.centres, c, facts.rmin, cell_x, cell_yz, cells_a_ball);
+    level = make_level(facts, c, cell_x, cell_yz, cells_a_ball);
     level.first_entry = grids.entries, level.first_row = grids.rows;
     grids.entries += level.rows() * (level.nx + 1);
     grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));

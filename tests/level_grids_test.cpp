@@ -79,6 +79,28 @@ TEST(LevelGrids, KeepTheirSizeWhateverTheBox) {
   EXPECT_LE(plan_level_grids(facts_of(balls), kRowsABlock).entries, 2 * 4 * 2001 + 2 * 64);
 }
 
+// Two billion balls, said to be there: an index of 32-bit entries must do, in each level and in all together.
+TEST(LevelGrids, FitThirtyTwoBitsAtTheMostBallsThereCanBe) {
+  for (const double cell_factor : {1.0, 4.0}) {
+    PackingFacts facts = facts_of(mixture(20000, cell_factor));
+    const float larger = 47;  // times in each direction: its cube is 103,823
+    for (int axis = 0; axis < 3; ++axis)
+      for (Box* const box : {&facts.centres, &facts.surfaces})
+        box->upper[axis] = box->lower[axis] + larger * (box->upper[axis] - box->lower[axis]);
+    facts.n = 0;
+    for (auto& [radius, balls] : facts.radii) facts.n += balls *= 103823;
+    ASSERT_GT(facts.n, 2'000'000'000);
+    const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+    double entries = 0;
+    for (int l = 0; l < grids.levels; ++l) {
+      EXPECT_EQ(grids.level[l].first_entry, entries);
+      entries += double{grids.level[l].nx + 1.0} * grids.level[l].ny * grids.level[l].nz;
+    }
+    EXPECT_EQ(grids.entries, entries);
+    EXPECT_GT(entries, 0.2 * facts.n) << "no coarser than need be";
+  }
+}
+
 TEST(LevelQueries, EachLevelAsksItselfAndAllFinerOnesOnce) {
   for (const double cell_factor : {1.0, 4.0, 50.0}) {
     const std::vector<Ball> balls = mixture(5000, cell_factor);
