@@ -124,6 +124,36 @@ TEST_F(LevelsTest, UpdatesAreExactHoweverFarBallsMove) {
   }
 }
 
+// Partners filed just out of reach, and moved into it: some stand in a cell beyond the box of a ball that does not know of drift.
+TEST_F(LevelsTest, UpdatesFindPartnersThatWereFiledOutOfReach) {
+  Random random(18);
+  constexpr float kRadius = 0.0025f, kSpacing = 0.019f;
+  const auto along = [](Ball& b, std::size_t k) -> float& { return k % 3 == 0 ? b.x : k % 3 == 1 ? b.y : b.z; };
+  std::vector<Ball> balls;
+  const auto offset = [&] { return random.between(0, 0.4 * kSpacing); };
+  for (std::size_t k = 0; k < 512; ++k) {
+    const Ball a{kSpacing * (k % 8) + offset(), kSpacing * (k / 8 % 8) + offset(), kSpacing * (k / 64) + offset(), kRadius};
+    Ball b = a;
+    along(b, k) += 2.07f * kRadius;
+    balls.insert(balls.end(), {a, b});
+  }
+  const LevelGrids grids = plan_level_grids(facts_of(balls), 2);
+  const LevelGrid& g = grids.level[0];
+  int beyond = 0;
+  for (std::size_t k = 0; k < balls.size(); k += 2) {
+    const auto cell = [&](float x) { return cell_coordinate(x, grids.x0, g.inv_x, g.nx); };
+    beyond += cell(balls[k + 1].x) > cell(balls[k].x + 2 * kRadius);
+  }
+  ASSERT_GT(beyond, 2) << "or this would test nothing";
+
+  Bed bed(balls, {.updates = true}, OutputForm::pairs, 1000);
+  EXPECT_EQ(bed.detect(balls).count(), 0);
+  for (std::size_t k = 0; k < balls.size() / 2; ++k) along(balls[2 * k + 1], k) -= 0.08f * kRadius;
+  const ContactList expected = all_pairs(balls);
+  ASSERT_EQ(expected.count(), static_cast<std::int64_t>(balls.size() / 2));
+  EXPECT_EQ(compare(bed.update(balls), expected).text(), "equal");
+}
+
 TEST_F(LevelsTest, UpdatesFileAgainOnlyWhereOneMovedTooFar) {
   Random random(12);
   std::vector<Ball> balls = small_packings_detail::mixture(200, 2, random);
