@@ -186,5 +186,22 @@ TEST_F(Frames, AreRefusedWhereTheBedIsNotTheSettlingsOwn) {
   ::testing::internal::GetCapturedStderr();
 }
 
+// What everybody's frames must be, and the bed that making them must not change.
+TEST(ExpectedFrames, AreTheFramesOfTheExpectedBed) {
+  const testing::TemporaryFolder folder;
+  const auto expected = nlohmann::json::parse(read_whole(TOUCHSTONE_SOURCE_DIR "/results/expected.json")).at("packings");
+  const PackingSpec bed = parse_spec("n=2969,c=4");
+  int compared = 0;
+  for (std::int32_t frame = -1; frame <= kLastFrame; ++frame) {
+    const PackingSpec spec = frame_of(bed, frame);
+    const auto e = expected.find(name_of(spec));
+    if (e == expected.end()) continue;
+    EXPECT_EQ(hex64(packing_hash(load_or_make(spec, folder.path()).balls)), e->at("packing_hash")) << name_of(spec);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 12) << "the bed and every tenth frame";
+  EXPECT_EQ(expected.at("c4_n2969_f100").at("packing_hash"), expected.at("c4_n2969").at("packing_hash"));
+}
+
 }  // namespace
 }  // namespace touchstone
