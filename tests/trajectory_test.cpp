@@ -29,8 +29,8 @@ constexpr std::int32_t kBalls = 20;
 Packing frame(bool later) {
   Packing p{later ? "chain_f010" : "chain_f000", {}, 1};
   for (int i = 0; i < kBalls; ++i)
-    p.balls.push_back(later ? Ball{1000 + 0.01f * static_cast<float>(i), -700, 3000, 1}
-                            : Ball{1.5f * static_cast<float>(i), 0, 0, 1});
+    p.balls.push_back(later ? Ball{1000 + 0.01f * static_cast<float>(i), -700, 3000, 2}
+                            : Ball{3.0f * static_cast<float>(i), 0, 0, 2});
   return p;
 }
 
@@ -148,9 +148,9 @@ TEST(Trajectory, RecordsTheFrameAndHowFullSpaceIs) {
   Json record = case_json(c, f.later.packing, f.later.facts, {}, measure(c, f.later));
   EXPECT_EQ(record["frame"], 10);
   EXPECT_EQ(record["knowledge"], "first_frame");
-  EXPECT_EQ(record["balls_a_cell_mean"], 20);  // a heap 0.19 wide in cells of 2
+  EXPECT_EQ(record["balls_a_cell_mean"], 20);  // a heap 0.19 wide in cells of 4
   EXPECT_EQ(record["balls_a_cell_most"], 20);
-  EXPECT_NEAR(record["moved_ravg"], 3230, 10);  // ravg = 1
+  EXPECT_NEAR(record["moved_ravg"], 1615, 5);  // of ravg = 2: 3,230 m
   EXPECT_EQ(record["regrown"], Json({"list"}));
   record["run_id"] = "2026-01-31T12:00:00Z-1";
   std::string faults;
@@ -160,8 +160,8 @@ TEST(Trajectory, RecordsTheFrameAndHowFullSpaceIs) {
 
   const FrameFacts chain = frame_facts(f.first.packing, f.first.packing, f.first.facts);
   EXPECT_EQ(chain.moved_ravg, 0);
-  EXPECT_EQ(chain.balls_a_cell_most, 2);                // 1.5 apart
-  EXPECT_NEAR(chain.balls_a_cell_mean, 20 / 15., 0.1);  // 28.5 long
+  EXPECT_EQ(chain.balls_a_cell_most, 2);                // 3 apart
+  EXPECT_NEAR(chain.balls_a_cell_mean, 20 / 15., 0.1);  // 57 long
 }
 
 std::set<std::string> packings_of(Profile profile, bool all_frames = false) {
