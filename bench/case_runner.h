@@ -25,11 +25,16 @@ class PackingContext {
     if (fresh) at->second = in_order(packing.balls, facts, order);
     return at->second;
   }
+  // How this frame differs from the first. Throws std::logic_error where there is no first.
+  const FrameFacts& frame();
+
   Packing packing;
   PackingFacts facts;
+  const PackingContext* first_frame = nullptr;  // of the settling that this packing is a frame of; itself for frame 0
 
  private:
   std::unique_ptr<Reference> reference_;
+  std::optional<FrameFacts> frame_;
   std::map<Order, OrderedBalls> orders_;
 };
 
@@ -60,6 +65,7 @@ class CaseRunner {
 
  private:
   void prepare();
+  void detect_moved();  // prepare()'s part for Knowledge::first_frame
   void finish();
   std::string mismatch_now();
   struct Resident;  // detector, buffers, sampler

@@ -15,7 +15,7 @@ namespace {
 constexpr double kTuningSeconds = 2.5;  // of one detector and form, on a typical machine
 
 bool is_made(const std::filesystem::path& folder, const PackingSpec& spec) {
-  return std::filesystem::exists(folder / (name_of(spec) + ".balls"));
+  return std::filesystem::exists(folder / cache_file_of(spec));
 }
 
 bool needs_tuning(const Case& c) { return c.protocol == Protocol::best && tunable(*c.detector); }
@@ -42,7 +42,7 @@ Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& pack
   Needs needs;
   std::set<std::string> packings, tunings;
   const auto add = [&](const PackingSpec& spec) {
-    if (packings.insert(name_of(spec)).second) needs.packings.push_back({spec, is_made(folder, spec)});
+    if (packings.insert(cache_file_of(spec)).second) needs.packings.push_back({spec, is_made(folder, spec)});
   };
   for (const Case& c : cases) add(c.packing);
   for (const Case& c : cases) {
@@ -96,6 +96,11 @@ PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
   stop_if_interrupted();
   context = std::make_unique<PackingContext>(load_or_make(spec, folder_, progress));
   done_ += seconds;
+  if (spec.frame >= 0) {
+    PackingSpec first = spec;
+    first.frame = 0;
+    context->first_frame = spec.frame == 0 ? context.get() : &load(first, eta);
+  }
   return *context;
 }
 

@@ -23,6 +23,7 @@ constexpr StudyInfo kStudies[] = {
     {"equations", "Equations 3 and 4: best cell where ravg, rmin, rmax and (V/N)^(1/3) part", plan_equations},
     {"ablation", "The paper's kernel with one thing taken out or turned round", plan_ablation},
     {"fairness", "Seeds, order, cache, launch, knowledge, one force pass, cubes, radii, cell factors to 50", plan_fairness},
+    {"trajectory", "Balls on the move: frames of a settling, detectors built for frame 0 alone", plan_trajectory},
 };
 
 std::regex compile(const std::string& text, const char* option) {
@@ -46,6 +47,8 @@ double estimated_sample_us(const DetectorInfo& info, double n) {
 
 }  // namespace
 
+std::int32_t frames_between(Profile profile) { return profile == Profile::full ? 4 : 10; }
+
 Profile parse_profile(std::string_view word) {
   if (word == "default") return Profile::fast;
   if (word == "full") return Profile::full;
@@ -66,6 +69,8 @@ std::vector<Case> plan_study(std::string_view study, const StudyOptions& options
   std::erase_if(cases, [&](const Case& c) {
     return !std::regex_search(c.detector->label(), detectors) || !std::regex_search(name_of(c.packing), packings);
   });
+  if (!options.all_frames)
+    std::erase_if(cases, [&](const Case& c) { return c.packing.frame > 0 && c.packing.frame % frames_between(options.profile); });
   for (Case& c : cases) c.study = study;
   return cases;
 }
@@ -79,7 +84,7 @@ std::vector<PackingSpec> packings_of_study(std::string_view study) {
 }
 
 PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n) {
-  PackingSpec spec = like;
+  PackingSpec spec = settled_of(like);
   const std::int32_t most = profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
   spec.n = n > 0 ? n : spec.kind == PackingKind::settled ? most : std::min(like.n, most);
   spec.seed = like.seed == 2 ? 1 : 2;

@@ -163,6 +163,11 @@ constexpr Field kCase[] = {{"study", text},
                            {"cells", positive_count_or_null},
                            {"fullest_cell", count_or_null},
                            {"ablation", text_or_null},
+                           {"frame", count, false},
+                           {"regrown", texts, false},
+                           {"balls_a_cell_mean", time, false},
+                           {"balls_a_cell_most", positive_count, false},
+                           {"moved_ravg", quantity, false},
                            {"kernels", list, false},
                            {"phases_us", object, false}};
 
