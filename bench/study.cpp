@@ -23,6 +23,7 @@ constexpr StudyInfo kStudies[] = {
     {"equations", "Equations 3 and 4: best cell where ravg, rmin, rmax and (V/N)^(1/3) part", plan_equations},
     {"ablation", "The paper's kernel with one thing taken out or turned round", plan_ablation},
     {"fairness", "Seeds, order, cache, launch, knowledge, one force pass, cubes, radii, cell factors to 50", plan_fairness},
+    {"polydispersity", "Time a ball for C = 1 to 100, three distributions of radii", plan_polydispersity},
 };
 
 std::regex compile(const std::string& text, const char* option) {
