@@ -50,7 +50,7 @@ TEST(Facts, HistogramHoldsEveryBallBelowItsBinsUpperRadius) {
   }
 }
 
-// The guess by division is off by one for some of these ends: each end belongs to its bin, the float after it to the next.
+// Each end belongs to its bin, the float after it to the next.
 TEST(RadiusBins, EndsBelongToTheirBin) {
   for (const auto& [least, most] :
        {std::pair{0.0025f, 0.01f}, {0.0025f, 0.0125f}, {0.1f, 0.7f}, {1.0f, 1.00001f}, {3e-5f, 7.0f}}) {
@@ -66,6 +66,20 @@ TEST(RadiusBins, EndsBelongToTheirBin) {
       }
     }
   }
+}
+
+TEST(RadiusBins, TellSmallRadiiApartAlsoAmongLargeOnes) {
+  for (const float factor : {1.5f, 4.0f, 100.0f, 1000.0f}) {
+    const RadiusBins bins(0.0025f, 0.0025f * factor);
+    // Equal ratios would be factor^(1/255); a bin of a binade's lower end is twice as wide, in ratio, as one of its upper end.
+    const double most = 1 + 1.5 * std::log(factor) / 255;
+    for (int b = 1; b < RadiusBins::kMost; ++b)
+      EXPECT_LE(bins.upper(b), most * bins.upper(b - 1)) << "bin " << b << " of C = " << factor;
+    EXPECT_EQ(bins.upper(0), 0.0025f) << "rmin alone";
+  }
+  const RadiusBins equal(0.5f, 0.5f);
+  EXPECT_EQ(equal.bin_of(0.5f), 0);
+  EXPECT_EQ(equal.upper(0), 0.5f);
 }
 
 std::string refusal(Ball bad) {
