@@ -63,9 +63,9 @@ Panel panel_of(const Device& device, const Mixture& m, std::int64_t n, const std
     p.data.push_back(std::move(b));
     if (const Row* equal = at_factor(line, 1); equal && detectors[k] == "levels") bar = kBar * ns_a_ball(*equal);
   }
-  p.settings = {{"panel_title", in_quotes(fmt::format("{}, {} balls", m.title, with_commas(n)))},
+  p.settings = {{"panel_title", in_quotes(fmt::format("ns a ball: {}, {} balls", m.title, with_commas(n)))},
                 {"bar", number_or_missing(bar)},
-                {"bar_name", in_quotes(fmt::format("levels: {} x C = 1", number_text(kBar)))}};
+                {"bar_name", in_quotes(fmt::format("{} times levels at C = 1", number_text(kBar)))}};
   p.alt =
       fmt::format("{}: ns a ball against C, both logarithmic, {} balls, {} detectors", m.title, with_commas(n), p.data.size());
   return p;
