@@ -35,15 +35,18 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
   return static_cast<std::int32_t>(std::min(std::floor(length / edge), 2e9)) + 1;
 }
 
+// What the grids cover.
+Box box_of(const PackingFacts& facts) { return facts.bulk.value_or(facts.centres); }
+
 // Cells of x and yz radii, or larger ones.
 LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, double yz, double cells_a_ball) {
-  const Box& centres = facts.centres;
+  const Box box = box_of(facts);
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
   level.one_radius = level.radius == facts.rmin;
   for (x *= c.radius, yz *= c.radius;; x *= 1.1, yz *= 1.1) {
     level.inv_x = static_cast<float>(1 / x), level.inv_yz = static_cast<float>(1 / yz);
-    level.nx = cells_along(centres, 0, x), level.ny = cells_along(centres, 1, yz), level.nz = cells_along(centres, 2, yz);
+    level.nx = cells_along(box, 0, x), level.ny = cells_along(box, 1, yz), level.nz = cells_along(box, 2, yz);
     if ((level.nx + 1.0) * level.ny * level.nz <= most_entries(c.balls, facts.n, cells_a_ball)) return level;
   }
 }
@@ -57,7 +60,8 @@ int lane_bits_for(double v) {
 
 // How far the balls lie along an axis, m. The surfaces' box will not do: a giant's sticks out of the dust it lies in.
 double length_along(const PackingFacts& facts, int axis) {
-  return static_cast<double>(facts.centres.upper[axis]) - facts.centres.lower[axis] + 2.0 * facts.rmin;
+  const Box box = box_of(facts);
+  return static_cast<double>(box.upper[axis]) - box.lower[axis] + 2.0 * facts.rmin;
 }
 
 // The rows and balls that a ball of `radius` is expected to meet in a level of `balls` balls up to `most`, with cells of x and yz
@@ -142,7 +146,8 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const L
   };
 
   LevelGrids grids;
-  grids.x0 = facts.centres.lower[0], grids.y0 = facts.centres.lower[1], grids.z0 = facts.centres.lower[2];
+  const Box box = box_of(facts);
+  grids.x0 = box.lower[0], grids.y0 = box.lower[1], grids.z0 = box.lower[2];
   const auto classes =
       choice.bounds ? classes_between(facts, *choice.bounds) : split_radii(facts, LevelGrids::kMost, query, kLeastSaving);
   for (const RadiusClass& c : classes) {

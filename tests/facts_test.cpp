@@ -50,6 +50,30 @@ TEST(Facts, HistogramHoldsEveryBallBelowItsBinsUpperRadius) {
   }
 }
 
+TEST(Facts, BulkIsNamedWhereFarOutliersMakeTheBoxMuchLonger) {
+  small_packings_detail::Random random(12);
+  std::vector<Ball> balls = small_packings_detail::mixture(5000, 4, random);
+  EXPECT_FALSE(facts_of(balls).bulk) << "no outlier";
+  const Box before = facts_of(balls).centres;
+  balls.push_back({100, 0, 0, 0.0025f});
+  balls.push_back({0, -7, 0, 0.0025f});
+  const PackingFacts facts = facts_of(balls);
+  EXPECT_EQ(facts.centres.upper[0], 100) << "the box still holds all";
+  ASSERT_TRUE(facts.bulk);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LE(facts.bulk->lower[axis], before.lower[axis]) << axis;
+    EXPECT_GE(facts.bulk->upper[axis], before.upper[axis]) << axis;
+    EXPECT_LE(facts.bulk->upper[axis] - facts.bulk->lower[axis], 1.5f * (before.upper[axis] - before.lower[axis])) << axis;
+  }
+  // Twice as long is no reason; nor is a packing of which a good part lies far off.
+  balls.resize(5000);
+  balls.push_back({2 * before.upper[0], 0, 0, 0.0025f});
+  EXPECT_FALSE(facts_of(balls).bulk);
+  for (int k = 0; k < 500; ++k) balls[10 * k].x += 50;
+  EXPECT_FALSE(facts_of(balls).bulk);
+  EXPECT_FALSE(facts_of(std::vector<Ball>(60, Ball{1, 2, 3, 1})).bulk);
+}
+
 // Each end belongs to its bin, the float after it to the next.
 TEST(RadiusBins, EndsBelongToTheirBin) {
   for (const auto& [least, most] :
