@@ -24,6 +24,7 @@ constexpr StudyInfo kStudies[] = {
     {"ablation", "The paper's kernel with one thing taken out or turned round", plan_ablation},
     {"fairness", "Seeds, order, cache, launch, knowledge, one force pass, cubes, radii, cell factors to 50", plan_fairness},
     {"trajectory", "Balls on the move: frames of a settling, detectors built for frame 0 alone", plan_trajectory},
+    {"polydispersity", "Time a ball for C = 1 to 100, three distributions of radii", plan_polydispersity},
 };
 
 std::regex compile(const std::string& text, const char* option) {

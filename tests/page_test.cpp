@@ -111,8 +111,8 @@ TEST_F(Page, InABrowserFitsAPhoneAndADesk) {
     EXPECT_EQ(seen["width"], width) << "the browser did not take the window's width";
     EXPECT_LE(seen["page"], width) << seen["wide"];
     EXPECT_THAT(seen["wide"], IsEmpty()) << "wider than a window of " << width;
-    EXPECT_GE(seen["figures"].get<int>(), 21)
-        << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; trajectory: 4";
+    EXPECT_GE(seen["figures"].get<int>(), 24)
+        << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; trajectory: 4; spread: 3";
     EXPECT_EQ(seen["empty"], 0) << "figures without a size at " << width;
     EXPECT_GE(seen["least_text"].get<double>(), 8) << "a figure's text, px, at " << width;
     EXPECT_THAT(console, IsEmpty());
@@ -178,7 +178,9 @@ TEST_F(Page, HoldsEveryTableAndFigure) {
                                "fairness_bytes_fixture-1",
                                "trajectory_c4_n2969_fixture-1",
                                "trajectory_c4_n2969_fixture-1_figure",
-                               "cases_trajectory_fixture-1"})
+                               "cases_trajectory_fixture-1",
+                               "polydispersity_fixture-1",
+                               "polydispersity_table_fixture-1"})
     EXPECT_THAT(text, HasSubstr(" id=\"" + id + "\"")) << id;
   EXPECT_THAT(text, Not(HasSubstr("Not measured yet")));
   EXPECT_THAT(text, HasSubstr("bench_detect --study figure6 --profile full"));
@@ -299,6 +301,27 @@ TEST_F(Page, FairnessIsReadFromTheRatios) {
   has("shape", "| 0.250× (0.245 to 0.255) | 1.00 | 0.50 |");
   has("radii", "| sorted_grid/rows | pairs | 0.100 | 2.00× (1.96 to 2.04) |");
   has("bytes", "| sorted_grid/rows | pairs | 200 |");
+}
+
+TEST_F(Page, TheSpreadOfRadiiStandsBesideEqualBallsAndItsBar) {
+  const std::string table = file_text(out() / "polydispersity_table_fixture-1.md");
+  // 50 us over 50,000 balls is 1 ns, times the square root of 1.5 at C = 10; C = 1 stands in every mixture's row.
+  EXPECT_THAT(table, HasSubstr("| power law, r^-3 | 50,000 | levels | 1.00 | 1.22 | 1.50 | 1.50×, bar met |"));
+  EXPECT_THAT(table,
+              HasSubstr("| uniform in radius | 50,000 | serial_levels | 180 | 220 | not measured: made up: too large | – |"));
+  const std::string settings = file_text(out() / "polydispersity_fixture-1_uniform_loose_50000.gp");
+  EXPECT_THAT(settings, HasSubstr("bar = 2\n"));
+  EXPECT_THAT(file_text(out() / "polydispersity_fixture-1_uniform_loose_50000.dat"), HasSubstr("1 1 0.99 1.01 \"\"\n10 1.22474"));
+}
+
+TEST(SpreadOfRadii, SaysThatTheBarIsMissed) {
+  const TemporaryFolder folder;
+  fixtures::write_all(kSource, folder.path() / "results");
+  write_text(folder.path() / "results/fixture-1/polydispersity.json", fixtures::polydispersity(2.5).dump());
+  const Outcome o = run_program(std::string(TOUCHSTONE) + " report --results " + (folder.path() / "results").string() +
+                                " --out " + (folder.path() / "out").string());
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(file_text(folder.path() / "out/polydispersity_table_fixture-1.md"), HasSubstr("| 2.50×, bar missed |"));
 }
 
 TEST_F(Page, TheTheoryLineNamesItsFloorsAndABadFit) {

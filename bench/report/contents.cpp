@@ -13,6 +13,7 @@
 #include "bench/report/figure9.h"
 #include "bench/report/library.h"
 #include "bench/report/marks.h"
+#include "bench/report/polydispersity.h"
 #include "bench/report/study_tables.h"
 #include "bench/report/tables.h"
 #include "bench/report/theory_line.h"
@@ -179,6 +180,16 @@ Section trajectory(const Library& l) {
   return s;
 }
 
+Section polydispersity(const Library& l) {
+  Section s{"polydispersity", "Spread of radii: C = 1 to 100", {}, {}, l.missing("polydispersity")};
+  for (const Device& d : l.of("polydispersity")) {
+    if (Figure f = polydispersity_figure(d); !f.panels.empty()) s.exhibits.push_back(l.exhibit(std::move(f), d));
+    if (Table t = polydispersity_table(d); !t.rows.empty()) s.exhibits.push_back(l.exhibit(std::move(t), d));
+    s.exhibits.push_back(l.all_cases(d));
+  }
+  return s;
+}
+
 Section machines(const Library& l) {
   Section s{"machines", "Machines, and how each number was taken", {}, {}, {}};
   for (const Mark& m : all_marks()) s.text.push_back(m.sign + " " + m.meaning);
@@ -219,6 +230,7 @@ Contents contents(const Sources& sources) {
                        ablations(l),
                        fairness(l),
                        trajectory(l),
+                       polydispersity(l),
                        machines(l)};
   } catch (const claims::Missing& m) {  // a time or a length of 0, which no run leaves behind
     throw InputError(fmt::format("{}: {}", sources.results.string(), m.what));
