@@ -150,7 +150,10 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   for (std::int32_t x0 = 0; x0 < cells; x0 += kWarpSize) {
     const std::int32_t x = x0 + lane;
     std::int32_t own = 0;
-    if (x0 >= kChunksInHand * kWarpSize) own = x < cells ? count[x] : 0;
+    if (x0 >= kChunksInHand * kWarpSize) {
+      own = x < cells ? count[x] : 0;
+      __syncwarp();  // in place, the next lane's start lies where this count lay
+    }
     for (int k = 0; k < kChunksInHand; ++k)
       if (x0 == k * kWarpSize) own = held[k];
     const std::int32_t up_to = sum_up_to_lane(own);
