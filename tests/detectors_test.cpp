@@ -12,11 +12,9 @@
 
 #include "kernels/detection.h"
 #include "reference_cpu/all_pairs.h"
+#include "tests/block_order.h"
 #include "tests/small_packings.h"
 #include "touchstone/error.h"
-#if defined(TOUCHSTONE_NO_CUDA)
-#include "kernels/emulated/block_runner.h"
-#endif
 
 namespace touchstone {
 namespace {
@@ -47,14 +45,6 @@ std::vector<Row> rows() {
   if (kDeviceIsDouble && !kThreadSanitizer)
     for (const DetectorInfo& info : cpu_detectors()) all.push_back({&info});
   return all;
-}
-
-void set_order(std::uint64_t seed) {
-#if defined(TOUCHSTONE_NO_CUDA)
-  set_block_order_seed(seed);
-#else
-  (void)seed;  // a GPU has an order of its own
-#endif
 }
 
 // What keeps the double quick: few threads, and no more than about five cells along the longest edge of the box. Other

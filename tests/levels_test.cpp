@@ -9,23 +9,13 @@
 
 #include "kernels/detection.h"
 #include "reference_cpu/all_pairs.h"
+#include "tests/block_order.h"
 #include "tests/small_packings.h"
-#if defined(TOUCHSTONE_NO_CUDA)
-#include "kernels/emulated/block_runner.h"
-#endif
 
 namespace touchstone {
 namespace {
 
 using small_packings_detail::Random;
-
-void set_order(std::uint64_t seed) {
-#if defined(TOUCHSTONE_NO_CUDA)
-  set_block_order_seed(seed);
-#else
-  (void)seed;  // a GPU has an order of its own
-#endif
-}
 
 struct LevelsTest : testing::Test {
   void SetUp() override {
