@@ -8,6 +8,7 @@
 #include "kernels/detection.h"
 #include "kernels/planning.h"
 #include "kernels/variants.h"
+#include "kernels/warp_sum.h"
 #include "touchstone/contact.h"
 #include "touchstone/grid.h"
 
@@ -67,12 +68,7 @@ __device__ void list_neighbours(const BallBuckets& buckets, std::int32_t c, Sear
   const bool exists = k < kNeighbours && x >= 0 && x < g.nx && y >= 0 && y < g.ny && z >= 0 && z < g.nz;
   shared.cell[k] = exists ? g.cell_number(x, y, z) : 0;
   const std::int32_t balls = exists ? buckets.stored(shared.cell[k]) : 0;
-  std::int32_t sum = balls;  // of lanes 0 … k
-  for (int step = 1; step < 32; step *= 2) {
-    const std::int32_t before = __shfl_up_sync(kFullWarp, sum, step);
-    if (k >= step) sum += before;
-  }
-  shared.first[k] = sum - balls;
+  shared.first[k] = sum_up_to_lane(balls) - balls;
 }
 
 // Candidates from … from + balls - 1 of all 27 cells, brought to shared memory by the whole block.

@@ -9,13 +9,13 @@
 #include "kernels/detection.h"
 #include "kernels/planning.h"
 #include "kernels/variants.h"
+#include "kernels/warp_sum.h"
 #include "touchstone/contact.h"
 #include "touchstone/grid.h"
 
 namespace touchstone {
 namespace {
 
-constexpr int kWarpSize = 32;
 constexpr int kLanesABall = 8;    // threads that share a ball's filing: a ball of rmin overlaps eight cells at most
 constexpr int kMostTile = 128;    // balls that a warp holds in shared memory at once
 constexpr int kStagedPairs = 64;  // contacts staged for each cell of a block; a bed has some 17 at a cell of 4 ravg
