@@ -20,7 +20,7 @@
 #include "bench/studies/studies.h"
 #include "datasets/loose.h"
 #include "datasets/store.h"
-#include "kernels/variants.h"
+#include "kernels/levels.h"
 #include "touchstone/contact.h"
 
 namespace touchstone {
@@ -173,8 +173,8 @@ class Bed {
  private:
   void make(const LevelChoice& choice) {
     d_.detector.reset();
-    d_.detector =
-        make_chosen_levels(context_.facts, {.threads_broad = kThreadsBroad, .threads_narrow = kThreadsNarrow}, choice, stream_);
+    d_.detector = make_levels_as(context_.facts, {.threads_broad = kThreadsBroad, .threads_narrow = kThreadsNarrow},
+                                 {.choice = choice}, stream_);
     complete_detection(d_, levels_row(), context_.facts, {}, OutputForm::pairs, stream_,
                        std::max<std::int64_t>(context_.reference().contacts, 64));
   }

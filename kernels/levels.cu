@@ -306,9 +306,4 @@ std::unique_ptr<Detector> make_reproducible_levels(const PackingFacts& facts, co
   return make_levels_as(facts, params, {.updates = params.updates, .reproducible = true}, stream);
 }
 
-std::unique_ptr<Detector> make_chosen_levels(const PackingFacts& facts, const DetectorParams& params, const LevelChoice& choice,
-                                             Stream& stream) {
-  return make_levels_as(facts, params, {.updates = params.updates, .choice = choice}, stream);
-}
-
 }  // namespace touchstone

@@ -5,8 +5,6 @@
 
 namespace touchstone {
 
-struct LevelChoice;
-
 #if defined(TOUCHSTONE_NO_KERNELS)
 // A build without kernels still knows the rows, to say what is missing: every factory is a null pointer there.
 struct DetectorFactory {
@@ -18,11 +16,6 @@ using DetectorFactory = std::unique_ptr<Detector>(const PackingFacts& facts, con
 
 DetectorFactory make_levels;
 DetectorFactory make_reproducible_levels;
-#if !defined(TOUCHSTONE_NO_KERNELS)
-// The same, with levels, cells and lanes chosen by hand (kernels/level_grids.h), for studies of that choice.
-std::unique_ptr<Detector> make_chosen_levels(const PackingFacts& facts, const DetectorParams& params, const LevelChoice& choice,
-                                             Stream& stream);
-#endif
 DetectorFactory make_sdk_sort;
 DetectorFactory make_fixed_bucket;
 DetectorFactory make_multi_cell_paper;

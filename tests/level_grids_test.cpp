@@ -12,7 +12,7 @@
 
 #include "datasets/loose.h"
 #include "kernels/detection.h"
-#include "kernels/variants.h"
+#include "kernels/levels.h"
 #include "reference_cpu/all_pairs.h"
 #include "reference_cpu/radius_classes.h"
 #include "tests/small_packings.h"
@@ -340,7 +340,7 @@ ContactList contacts_of(const std::vector<Ball>& balls, const LevelChoice& choic
   Detection d;
   d.balls = Buffer<Ball>(balls.size(), Place::device, stream);
   copy_async(d.balls, std::span<const Ball>(balls), stream);
-  d.detector = make_chosen_levels(facts, {.threads_broad = 32, .threads_narrow = 64}, choice, stream);
+  d.detector = make_levels_as(facts, {.threads_broad = 32, .threads_narrow = 64}, {.choice = choice}, stream);
   complete_detection(d, levels_row(), facts, {}, form, stream, 1000);
   return d.output->download(stream);
 }
