@@ -12,8 +12,8 @@
 namespace touchstone {
 
 enum class Order {
-  shuffled,   // the packing's own numbering, which is random
-  sorted,     // by Morton code of cells of 2 ravg, ties by number
+  shuffled,   // the packing's own numbering, which is random; of tiled packings (bench/tiled.h) a shuffle of it
+  sorted,     // by Morton code of cells of 2 ravg, ties by number; of tiled packings tile after tile, each so
   as_settled  // by height of the centre, ties by number: as a bed fills, and as a simulation that adds balls in turn holds them
 };
 std::string_view to_string(Order order);

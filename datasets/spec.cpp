@@ -62,6 +62,15 @@ void set_base(PackingSpec& spec, std::string_view text) {
   spec.base_y = number("base", text.substr(cross + 1), 1e-4, 1e5) / 100;
 }
 
+// Beyond 32-bit ball numbers it is the bytes that show what was asked for.
+std::int64_t tiled_number(std::string_view text) {
+  const auto balls = number<std::int64_t>("tiled", text, 0, std::int64_t{1} << 50);
+  if (balls > 2147483647)
+    throw InputError(fmt::format("spec: tiled={}: {} bytes of balls; ball numbers are 32-bit, so at most 2147483647 balls", balls,
+                                 16 * balls));
+  return balls;
+}
+
 void set_key(PackingSpec& spec, std::string_view key, std::string_view text) {
   if (key == "n")
     spec.n = number<std::int32_t>(key, text, 1, 2147483647);
@@ -79,8 +88,11 @@ void set_key(PackingSpec& spec, std::string_view key, std::string_view text) {
     spec.solid_fraction = number<double>(key, text, 1e-6, 10);
   else if (key == "rmin_cm")
     spec.rmin = number<double>(key, text, 1e-4, 1e4) / 100;
+  else if (key == "tiled")
+    spec.tiled = tiled_number(text);
   else
-    throw InputError(fmt::format("spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm", key, text));
+    throw InputError(
+        fmt::format("spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, tiled", key, text));
 }
 
 // Keys that only make sense together.
@@ -166,15 +178,27 @@ std::string name_of(const PackingSpec& spec) {
   if (spec.rmin != standard.rmin) name += "_r" + cm(spec.rmin);
   if (base_text(spec) != base_text(standard)) name += spec.base_x > 0 ? "_b" + base_text(spec) : "_cube";
   if (spec.kind == PackingKind::loose) name += fmt::format("_loose{:.12g}", spec.solid_fraction * 100);
+  if (spec.tiled != 0) name += fmt::format("_tiled{}", spec.tiled);
   return name;
+}
+
+std::int64_t balls_of(const PackingSpec& spec) { return spec.tiled != 0 ? spec.tiled : spec.n; }
+
+PackingSpec base_of(PackingSpec spec) {
+  spec.tiled = 0;
+  return spec;
 }
 
 std::string_view to_string(PackingKind kind) { return word_of(kKinds, kind); }
 std::string_view to_string(Mix mix) { return word_of(kMixes, mix); }
 
 std::string to_string(const PackingSpec& spec) {
-  return fmt::format("n={},c={},seed={},base={},mix={},kind={},phi={},rmin_cm={}", spec.n, spec.cell_factor, spec.seed,
-                     base_text(spec), word_of(kMixes, spec.mix), word_of(kKinds, spec.kind), spec.solid_fraction, cm(spec.rmin));
+  std::string text =
+      fmt::format("n={},c={},seed={},base={},mix={},kind={},phi={},rmin_cm={}", spec.n, spec.cell_factor, spec.seed,
+                  base_text(spec), word_of(kMixes, spec.mix), word_of(kKinds, spec.kind), spec.solid_fraction, cm(spec.rmin));
+  if (spec.tiled != 0)
+    text += fmt::format(",tiled={}", spec.tiled);  // the others' files carry their words from before there was it
+  return text;
 }
 
 }  // namespace touchstone

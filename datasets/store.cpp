@@ -79,6 +79,9 @@ std::string bytes_of(const Packing& packing) {
 }  // namespace
 
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress) {
+  if (spec.tiled != 0)
+    throw InputError(
+        fmt::format("{}: tiled packings are kept in no file; make their base, {}", name_of(spec), name_of(base_of(spec))));
   // Files are replaced whole, so a look needs no lock: a complete cache may be read-only.
   std::string why_not;
   if (std::optional<Packing> cached = load(spec, folder, why_not)) return *std::move(cached);

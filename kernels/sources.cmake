@@ -13,7 +13,8 @@ set(TOUCHSTONE_KERNEL_SOURCES
   sorted_cells.cu
   sorted_grid.cu
   sorted_levels.cu
-  sorted_rows.cu)
+  sorted_rows.cu
+  tile.cu)
 # Their host side, plain C++ in both.
 set(TOUCHSTONE_KERNEL_HOST_SOURCES
   detection.cpp
