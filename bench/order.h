@@ -8,6 +8,7 @@
 
 #include "touchstone/contact_list.h"
 #include "touchstone/packing.h"
+#include "touchstone/shuffle.h"
 
 namespace touchstone {
 
@@ -24,7 +25,10 @@ struct OrderedBalls {
 };
 OrderedBalls in_order(std::span<const Ball> balls, const PackingFacts& facts, Order order);
 
-// A contact set of ordered balls in the packing's numbering.
-ContactList renumbered(ContactList contacts, std::span<const std::int32_t> number);
+// Which ball each place of `ordered` holds; refers to its table.
+Numbering numbering_of(const OrderedBalls& ordered);
+
+// A contact set of ordered balls, `n` in all, in the packing's numbering.
+ContactList renumbered(ContactList contacts, const Numbering& number, std::int32_t n);
 
 }  // namespace touchstone

@@ -30,7 +30,7 @@ std::span<const StudyInfo> studies();
 // Throws InputError: no such study (with their names), or a regular expression that is none.
 std::vector<Case> plan_study(std::string_view study, const StudyOptions& options);
 
-// The packings of a study in full, each once; on a machine without a GPU those that its CPU cases need.
+// The packings of a study in full, each once, bases of tiled ones; on a machine without a GPU those that its CPU cases need.
 std::vector<PackingSpec> packings_of_study(std::string_view study);
 
 // The spec whose packing tunes a case of Protocol::best: like its own, of seed 2 (or 1, for cases of seed 2), so that no

@@ -163,6 +163,8 @@ constexpr Field kCase[] = {{"study", text},
                            {"cells", positive_count_or_null},
                            {"fullest_cell", count_or_null},
                            {"ablation", text_or_null},
+                           {"tile_balls", positive_count, false},
+                           {"bytes_workspace", count, false},
                            {"kernels", list, false},
                            {"phases_us", object, false}};
 

@@ -34,12 +34,13 @@ void count_radii(std::span<const Ball> balls, const RadiusBins& bins, std::int64
 }  // namespace
 
 TiledPacking::TiledPacking(const PackingSpec& spec, const Packing& base)
-    : name_(name_of(spec)), seed_(base.seed), base_hash_(packing_hash(base.balls)) {
+    : name_(name_of(spec)), base_name_(base.name), seed_(base.seed), base_hash_(packing_hash(base.balls)) {
   const PackingFacts facts_of_base = facts_of(base.balls);
   base_ = touchstone::in_order(base.balls, facts_of_base, Order::sorted).balls;
   tiling_ = plan_tiling(facts_of_base.surfaces, facts_of_base.n, spec.tiled);
-  const float far = std::max(
-      {std::fabs(facts().surfaces.upper[0]), std::fabs(facts().surfaces.upper[1]), std::fabs(facts().surfaces.upper[2])});
+  const Box box = facts().surfaces;
+  float far = 0;
+  for (int axis = 0; axis < 3; ++axis) far = std::max({far, std::fabs(box.lower[axis]), std::fabs(box.upper[axis])});
   if (std::nextafter(far, std::numeric_limits<float>::max()) - far > facts_of_base.rmin)
     throw InputError(
         fmt::format("{}: the block would reach to {:g} m, where float32 numbers lie further apart than the radius {:g} m; "
@@ -104,18 +105,12 @@ Numbering TiledPacking::numbering(Order order) const {
   return numbering;
 }
 
-OrderedBalls TiledPacking::in_order(Order order, bool with_numbers) const {
+std::vector<Ball> TiledPacking::in_order(Order order) const {
   const Numbering number = numbering(order);
-  OrderedBalls result;
-  result.balls.resize(static_cast<std::size_t>(tiling_.n));
-  if (with_numbers && !number.is_identity()) result.number.resize(result.balls.size());
+  std::vector<Ball> balls(static_cast<std::size_t>(tiling_.n));
 #pragma omp parallel for
-  for (std::int64_t k = 0; k < tiling_.n; ++k) {
-    const std::int32_t m = number(static_cast<std::int32_t>(k));
-    result.balls[k] = tiling_.ball(base_.data(), m);
-    if (!result.number.empty()) result.number[k] = m;
-  }
-  return result;
+  for (std::int64_t k = 0; k < tiling_.n; ++k) balls[k] = tiling_.ball(base_.data(), number(static_cast<std::int32_t>(k)));
+  return balls;
 }
 
 std::int64_t TiledPacking::expected_contacts() const {

@@ -25,6 +25,7 @@ class TiledPacking {
   std::uint64_t seed() const { return seed_; }
   std::int64_t n() const { return tiling_.n; }
   std::span<const Ball> base() const { return base_; }
+  const std::string& base_name() const { return base_name_; }
   std::uint64_t base_hash() const { return base_hash_; }  // of the base as it is kept, before its order was changed
   const Tiling& tiling() const { return tiling_; }
 
@@ -37,14 +38,14 @@ class TiledPacking {
   // What place k of the order holds. Throws InputError for as_settled: a tiled packing has never settled.
   Numbering numbering(Order order) const;
 
-  // All balls in an order, 16 bytes each, on all cores; with the table of their numbers where `with_numbers` (4 more).
-  OrderedBalls in_order(Order order, bool with_numbers) const;
+  // All balls in an order, 16 bytes each, on all cores. (On the device: kernels/tile.h.)
+  std::vector<Ball> in_order(Order order) const;
 
   // A guess at the contacts that is a little more than there are: the base's, as often as it is repeated, and 3 % more.
   std::int64_t expected_contacts() const;
 
  private:
-  std::string name_;
+  std::string name_, base_name_;
   std::uint64_t seed_, base_hash_;
   std::vector<Ball> base_;
   Tiling tiling_;

@@ -5,6 +5,7 @@ set(TOUCHSTONE_KERNEL_SOURCES
   fixed_bucket.cu
   force_pass.cu
   levels.cu
+  list_digest.cu
   multi_cell_paper.cu
   multi_cell_staged.cu
   parted_balls.cu
@@ -20,4 +21,5 @@ set(TOUCHSTONE_KERNEL_HOST_SOURCES
   detection.cpp
   detectors.cpp
   level_grids.cpp
-  planning.cpp)
+  planning.cpp
+  workspace.cpp)

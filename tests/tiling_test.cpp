@@ -170,10 +170,8 @@ TEST(Tiling, TooManyBallsAreRefusedWithTheirBytes) {
 // Ball m by the definition, in words of its own.
 TEST(Tiling, BallMIsBallBOfTileT) {
   const PackingFacts facts = facts_of(base());
-  const Tiling t = plan_tiling(facts.surfaces, facts.n, 20 * facts.n + 17);
-  ASSERT_GT(t.tiles_x, 1);
-  ASSERT_GT(t.tiles_y, 1);
-  ASSERT_GT(t.tiles_z, 1);
+  Tiling t = plan_tiling(facts.surfaces, facts.n, 20 * facts.n + 17);
+  t.tiles_x = 2, t.tiles_y = 3, t.tiles_z = 4;  // no two alike
   std::int64_t m = 0;
   for (std::int32_t z = 0; z < t.tiles_z; ++z)
     for (std::int32_t y = 0; y < t.tiles_y; ++y)
