@@ -74,7 +74,8 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .threads_narrow = true,
      .buckets = false,
      .known = "box,rmin,rmax,histogram",
-     .make = make_levels},
+     .make = make_levels,
+     .bytes = bytes_of_levels},
     {.name = "levels",
      .layout = "reproducible",
      .summary = "levels with the contact list in ascending order: the same bytes in every run",
@@ -85,7 +86,8 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .threads_narrow = true,
      .buckets = false,
      .known = "box,rmin,rmax,histogram",
-     .make = make_reproducible_levels},
+     .make = make_reproducible_levels,
+     .bytes = bytes_of_reproducible_levels},
 };
 
 std::span<const DetectorInfo> gpu_detectors() { return kGpuDetectors; }

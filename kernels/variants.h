@@ -34,6 +34,8 @@ DetectorFactory make_multi_cell_staged;
 DetectorFactory make_sorted_grid;
 
 // DetectorInfo::bytes of each (workspace.cpp).
+WorkspaceBytes bytes_of_levels;
+WorkspaceBytes bytes_of_reproducible_levels;
 WorkspaceBytes bytes_of_sdk_sort;
 WorkspaceBytes bytes_of_fixed_bucket;
 WorkspaceBytes bytes_of_multi_cell_paper;

@@ -2,6 +2,7 @@
 // tests/workspace_test.cpp holds both to the same number.
 #include <cmath>
 
+#include "kernels/levels.h"
 #include "kernels/planning.h"
 #include "kernels/sorted_cells.h"
 #include "kernels/variants.h"
@@ -24,6 +25,16 @@ std::int64_t multi_cell(std::string_view method, std::int64_t n, const PackingFa
 }
 
 }  // namespace
+
+std::int64_t bytes_of_levels(std::int64_t n, const PackingFacts& like, const DetectorParams& params) {
+  return levels_bytes(n, like, params);
+}
+
+std::int64_t bytes_of_reproducible_levels(std::int64_t n, const PackingFacts& like, const DetectorParams& params) {
+  // Beside the index one row's end a ball (kernels/sorted_rows.h); the few MB that a scan of 10^9 of them takes are not counted.
+  return SortedLevels::bytes_for(n, like, {.updates = params.updates, .reproducible = true}) +
+         n * static_cast<std::int64_t>(sizeof(std::int64_t));
+}
 
 std::int64_t bytes_of_multi_cell_paper(std::int64_t n, const PackingFacts& like, const DetectorParams& params) {
   return multi_cell("multi_cell_bucket/paper", n, like, params, 1, 64);

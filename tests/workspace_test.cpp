@@ -61,7 +61,7 @@ TEST(Workspace, OfCpuDetectorsIsWhatTheyHold) {
   }
 }
 
-// Far beyond what this machine, or 32 bits, could hold: in proportion, never less for more balls, never negative.
+// Far beyond what this machine, or 32 bits, could hold: never less for more balls, never negative.
 TEST(Workspace, IsSaidBeforehandToFourThousandMillionBalls) {
   const PackingFacts like = facts_of(balls());
   for (const auto rows : {cpu_detectors(), gpu_detectors()})
@@ -72,7 +72,9 @@ TEST(Workspace, IsSaidBeforehandToFourThousandMillionBalls) {
       for (const std::int64_t n : {20'000ll, 1'000'000ll, 1'000'000'000ll, 2'147'483'647ll, 2'147'483'648ll, 4'000'000'000ll}) {
         const std::int64_t bytes = info.bytes(n, like, {});
         EXPECT_GE(bytes, before) << info.label() << " " << n;
-        EXPECT_NEAR(static_cast<double>(bytes) / static_cast<double>(n), a_ball, 0.01 * a_ball) << info.label() << " " << n;
+        // In proportion, or less where a method spares memory in large packings.
+        EXPECT_LT(static_cast<double>(bytes) / static_cast<double>(n), 1.01 * a_ball) << info.label() << " " << n;
+        EXPECT_GT(static_cast<double>(bytes) / static_cast<double>(n), 0.5 * a_ball) << info.label() << " " << n;
         before = bytes;
       }
     }
