@@ -2,7 +2,7 @@
 # data: one index a series: number of balls, value, quartiles, marks; those before `quartiles_from` have no quartiles.
 set terminal svg size 480,(420 + 19 * blocks) font "DejaVu Sans,14" background "white" dashed noenhanced
 
-array colour[14] = ["#555555", "#8c8c8c", "#7a3b00", "#c05a00", "#d98a2b", "#2a8c4a", \
+array colour[14] = ["#555555", "#8c8c8c", "#7a3b00", "#c05a00", "#d98a2b", "#8a8a2a", \
   "#08306b", "#2171b5", "#b2182b", "#4a1486", "#8a5bc4", "#00441b", "#238b45", "#000000"]
 array marker[14] = [0, 0, 4, 6, 8, 10, 5, 7, 9, 11, 13, 15, 12, 2]
 array dashes[14] = [3, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1]
@@ -17,7 +17,8 @@ set logscale x
 set xrange [700:1.5e9]
 set xtics ("10³" 1e3, "10⁴" 1e4, "10⁵" 1e5, "10⁶" 1e6, "10⁷" 1e7, "10⁸" 1e8, "10⁹" 1e9)
 set mxtics 1
-if (log_y) { set logscale y; } else { set yrange [0:*]; }
+if (log_y) { set logscale y; set mytics 1; }
+set yrange [y_low:*]
 set format y "%g"
 set lmargin at screen 0.135
 set rmargin at screen 0.985

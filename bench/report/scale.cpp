@@ -13,9 +13,9 @@
 namespace touchstone::report {
 namespace {
 
-// Numbers that plots/scale.gp gives colour, dash and marker: two floors, then detectors in order of first appearance.
-enum Look { kLaunches = 1, kBytes, kFirstDetector };
-constexpr int kMostDetectors = 12;  // that the looks can tell apart
+// Numbers that plots/scale.gp gives colour, dash and marker: two floors, then the CPU's detectors, then the GPU's, each in order
+// of first appearance.
+enum Look { kLaunches = 1, kBytes, kFirstCpu, kFirstGpu = kFirstCpu + 4, kEnd = kFirstGpu + 8 };
 
 bool is_tiled(const Row& r) { return std::isfinite(number_field(r, "tile_balls")); }
 
@@ -38,6 +38,20 @@ std::vector<std::string> detectors(const Device& d) {
     for (const Row& r : *list)
       if (std::find(names.begin(), names.end(), r.detector) == names.end()) names.push_back(r.detector);
   return names;
+}
+
+// Detectors that the looks can tell apart, and their looks.
+std::vector<std::pair<std::string, int>> looks(const Device& d) {
+  std::vector<std::pair<std::string, int>> list;
+  int cpu = kFirstCpu, gpu = kFirstGpu;
+  for (const std::string& name : detectors(d)) {
+    const auto has_name = [&name](const Row& r) { return r.detector == name; };
+    const auto row = std::find_if(d.rows.begin(), d.rows.end(), has_name);
+    if (row == d.rows.end()) continue;  // only skipped
+    int& next = row->place == "gpu" ? gpu : cpu;
+    if (next < (row->place == "gpu" ? kEnd : kFirstGpu)) list.emplace_back(name, next++);
+  }
+  return list;
 }
 
 // Rows of one curve, by n.
@@ -72,14 +86,17 @@ Panel time_panel(const Device& d, const std::string& id, double cell_factor, con
   Panel p{id + "_" + order, "scale.gp", "", {}, {}};
   std::map<std::int64_t, const Row*> sizes;
   std::vector<Block> lines;
-  int look = kFirstDetector;
-  for (const std::string& detector : detectors(d)) {
-    Block b{detector, look++, {}};
+  double least = INFINITY;  // ns a ball
+  for (const auto& [detector, look] : looks(d)) {
+    Block b{detector, look, {}};
     for (const Row* r : curve(d, detector, cell_factor, order)) {
       b.rows.push_back(time_point(*r, r->median_us));
       sizes.emplace(r->n, r);
+      const ScaleFloors f = scale_floors(d, *r);
+      const double n = static_cast<double>(r->n), floor = std::isfinite(f.bytes_us) ? f.bytes_us : r->median_us;
+      least = std::min({least, 1e3 * r->median_us / n, 1e3 * floor / n});
     }
-    if (!b.rows.empty() && b.look < kFirstDetector + kMostDetectors) lines.push_back(std::move(b));
+    if (!b.rows.empty()) lines.push_back(std::move(b));
   }
   if (lines.empty()) return p;
   add_floors(d, sizes, p.data);
@@ -87,6 +104,7 @@ Panel time_panel(const Device& d, const std::string& id, double cell_factor, con
   p.data.insert(p.data.end(), lines.begin(), lines.end());
   p.settings = {{"panel_title", in_quotes(fmt::format("time a ball (ns), C = {:g}, {}", cell_factor, order))},
                 {"quartiles_from", std::to_string(floors + 1)},
+                {"y_low", number(least / 2)},  // the floor of launches goes on falling where it no longer matters
                 {"log_y", "1"}};
   p.alt = fmt::format("time a ball in ns against the number of balls, both axes logarithmic, {} order, a line a detector{}",
                       order, floors > 0 ? ", with the floors of launches and bytes" : "");
@@ -95,16 +113,16 @@ Panel time_panel(const Device& d, const std::string& id, double cell_factor, con
 
 Panel bytes_panel(const Device& d, const std::string& id, double cell_factor) {
   Panel p{id + "_bytes", "scale.gp", "", {}, {}};
-  int look = kFirstDetector;
-  for (const std::string& detector : detectors(d)) {
-    Block b{detector, look++, {}};
+  for (const auto& [detector, look] : looks(d)) {
+    Block b{detector, look, {}};
     for (const Row* r : curve(d, detector, cell_factor, "shuffled"))
       if (std::isfinite(bytes_a_ball(*r)))
         b.rows.push_back({number(static_cast<double>(r->n)), number(bytes_a_ball(*r)), "NaN", "NaN", "\"\""});
-    if (!b.rows.empty() && b.look < kFirstDetector + kMostDetectors) p.data.push_back(std::move(b));
+    if (!b.rows.empty()) p.data.push_back(std::move(b));
   }
   p.settings = {{"panel_title", in_quotes(fmt::format("bytes a ball, C = {:g}", cell_factor))},
                 {"quartiles_from", std::to_string(p.data.size() + 1)},
+                {"y_low", "0"},
                 {"log_y", "0"}};
   p.alt = "bytes a ball (input, workspace, contacts) against the number of balls, a line a detector";
   return p;
@@ -184,8 +202,7 @@ std::vector<Figure> scale_figures(const Device& device) {
           fmt::format("Floors, from the file's own calibration: one empty launch ({:.3g} us); 16 bytes a ball in and 8 a "
                       "contact out at the measured copy bandwidth ({:.4g} GB/s).",
                       calibration(device, "empty_launch_us"), calibration(device, "copy_gb_per_s")));
-    if (static_cast<int>(detectors(device).size()) > kMostDetectors)
-      f.notes.push_back("Not all detectors are shown; the tables have all.");
+    if (detectors(device).size() > looks(device).size()) f.notes.push_back("Not all detectors are shown; the tables have all.");
     figures.push_back(std::move(f));
   }
   return figures;
