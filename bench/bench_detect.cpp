@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
     app.add_option("--profile", options.profile_name, "default: sizes to 20,653; full: all")->capture_default_str();
     app.add_option("--detectors", options.selection.detectors, "regular expression, searched in detector labels");
     app.add_option("--packings", options.selection.packings, "regular expression, searched in packing names");
+    app.add_flag("--all-frames", options.selection.all_frames,
+                 "study trajectory: every frame; else every tenth, with --profile full every fourth");
     app.add_option("--out", options.out, "folder, or .json file; default build/results/<this machine>/");
     app.add_option("--packing-folder", options.packing_folder, "where packings are kept");
     app.add_option("--tuning-n", options.tuning_n, "balls of the packing (seed 2) that cells and threads are tuned on")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "bench/detectors.h"
 
@@ -51,7 +52,32 @@ std::string_view to_string(Protocol protocol) {
       return "given";
   }
 }
-std::string_view to_string(Knowledge knowledge) { return knowledge == Knowledge::blind ? "blind" : "known"; }
+std::string_view to_string(Knowledge knowledge) {
+  switch (knowledge) {
+    case Knowledge::known:
+      return "known";
+    case Knowledge::first_frame:
+      return "first_frame";
+    default:
+      return "blind";
+  }
+}
+
+FrameFacts frame_facts(const Packing& frame, const Packing& first, const PackingFacts& facts) {
+  FrameFacts f;
+  const Grid grid = make_grid(facts.centres, 2 * facts.ravg);
+  std::map<std::int64_t, std::int64_t> cells;  // number -> balls; few cells are empty, but an outlier's box may be huge
+  double way = 0;
+  for (std::size_t i = 0; i < frame.balls.size(); ++i) {
+    const Ball &now = frame.balls[i], &then = first.balls[i];
+    f.balls_a_cell_most = std::max(f.balls_a_cell_most, ++cells[cell_of_centre(grid, now)]);
+    way += std::hypot(double{now.x} - then.x, double{now.y} - then.y, double{now.z} - then.z);
+  }
+  const auto n = static_cast<double>(frame.balls.size());
+  f.balls_a_cell_mean = n / static_cast<double>(cells.size());
+  f.moved_ravg = way / n / facts.ravg;
+  return f;
+}
 
 std::string Case::name() const {
   std::string name =
@@ -109,6 +135,7 @@ Json identity_json(const Case& c, const PackingLabel& packing, const PackingFact
   j["volume_cm3"] = volume_cm3(facts);
   j["n"] = facts.n;
   if (c.packing.tiled != 0) j["tile_balls"] = c.packing.n;
+  if (c.packing.frame >= 0) j["frame"] = c.packing.frame;
   j["cell_factor"] = c.packing.cell_factor;
   j["rmin_cm"] = round_cm(facts.rmin);
   j["rmax_cm"] = round_cm(facts.rmax);
@@ -139,6 +166,12 @@ Json case_json(const Case& c, const PackingLabel& packing, const PackingFacts& f
   j["verified"] = true;  // a mismatch never comes this far
   j["verified_by"] = m.verified_by;
   j["retries"] = m.retries;
+  if (c.knowledge == Knowledge::first_frame) j["regrown"] = m.regrown;
+  if (m.frame) {
+    j["balls_a_cell_mean"] = m.frame->balls_a_cell_mean;
+    j["balls_a_cell_most"] = m.frame->balls_a_cell_most;
+    j["moved_ravg"] = m.frame->moved_ravg;
+  }
   j["median_us"] = q.median;
   j["q1_us"] = q.q1;
   j["q3_us"] = q.q3;

@@ -27,8 +27,9 @@ enum class Protocol {
 std::string_view to_string(Protocol protocol);
 
 enum class Knowledge {
-  known,  // construction, with all it uses of the packing's facts, is outside the timed region
-  blind   // inside: facts found on the balls where they lie, detector built, contacts detected, overflow looked for and mended
+  known,        // construction, with all it uses of the packing's facts, is outside the timed region
+  first_frame,  // the same, but what is known is frame 0 of the settling whose frame is timed: balls have moved since
+  blind  // inside: facts found on the balls where they lie, detector built, contacts detected, overflow looked for and mended
 };
 std::string_view to_string(Knowledge knowledge);
 
@@ -36,6 +37,14 @@ enum class Then {
   nothing,
   force  // one pass over the list that adds a linear spring's forces: reference_cpu/force_pass.h
 };
+
+// How full space is, and how far balls are from where they began.
+struct FrameFacts {
+  double balls_a_cell_mean = 0;  // over the cells of 2 ravg, on the frame's own box, that hold any centre
+  std::int64_t balls_a_cell_most = 0;
+  double moved_ravg = 0;  // mean distance of a ball from where it was in frame 0
+};
+FrameFacts frame_facts(const Packing& frame, const Packing& first, const PackingFacts& facts);
 
 // The tuner's answer: a cell as a multiple of ravg or rmax, so that it carries over to packings of other sizes.
 struct Tuning {
@@ -86,12 +95,14 @@ struct Measurement {
   DetectorReport report;
   std::uint64_t contact_hash = 0;  // of the detector's own list after its last sample; of the packing's where verified by count
   std::string verified_by;
-  int retries = 0;
+  int retries = 0;                   // Knowledge::first_frame: on this frame, from what frame 0 had needed
+  std::vector<std::string> regrown;  // the same, what was too small: "cell", "row", "list"
   std::int64_t bytes_peak = 0, bytes_workspace = 0;  // input, workspace and list as allocated; the workspace alone
   std::vector<double> samples_us;
   std::vector<KernelFacts> kernels;
   std::vector<std::pair<std::string, double>> phases_us;  // medians, in order
   std::vector<std::string> flags;
+  std::optional<FrameFacts> frame;  // of a packing that is a frame
 };
 
 // The keys that say which case this is, before anything is measured (also of a skipped case).

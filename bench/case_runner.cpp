@@ -91,6 +91,12 @@ Buffer<Ball> PackingContext::resident(Order order, Place place, Stream& stream) 
   return balls;
 }
 
+const FrameFacts& PackingContext::frame() {
+  if (!first_frame) throw std::logic_error(packing.name + " is no frame of a settling, or its first frame is not there");
+  if (!frame_) frame_ = frame_facts(packing, first_frame->packing, facts);
+  return *frame_;
+}
+
 struct CaseRunner::Resident {
   explicit Resident(Place place) : stream(place) {}
   Stream stream;
@@ -137,11 +143,36 @@ Detection CaseRunner::detect_first(Stream& stream) {
   return d;
 }
 
+// Built for frame 0 and as large as that frame needs; then the balls are where this frame has them, and whatever is too small now
+// is grown, as in a program that goes on with the detector it has.
+void CaseRunner::detect_moved() {
+  if (case_.order != Order::shuffled) throw std::logic_error("first_frame: the order of another frame is not this one's");
+  if (!context_.first_frame) throw std::logic_error("first_frame: " + context_.packing.name + " is no frame of a settling");
+  const DetectorInfo& info = *case_.detector;
+  const PackingContext& first = *context_.first_frame;
+  const DetectorParams params = params_of(case_, first.facts, tuning_);
+  Resident& r = *resident_;
+  Detection& d = r.detection;
+  d = detect_completely(info, first.packing.balls, first.facts, params, case_.output, r.stream);
+  if (&first == &context_) return;  // frame 0: its retries are those of finding the sizes
+  const std::int32_t cell = d.detector->params().cell_capacity;
+  const std::int64_t output = d.output->capacity();
+  copy_async(d.balls, std::span<const Ball>(context_.packing.balls), r.stream);
+  d.retries = 0;
+  complete_detection(d, info, first.facts, params, case_.output, r.stream, output);
+  if (d.detector->params().cell_capacity != cell) measurement_.regrown.push_back("cell");
+  if (d.output->capacity() != output) measurement_.regrown.push_back(case_.output == OutputForm::pairs ? "list" : "row");
+}
+
 void CaseRunner::prepare() {
   const DetectorInfo& info = *case_.detector;
   resident_ = std::make_unique<Resident>(info.place);
   Resident& r = *resident_;
-  r.detection = detect_first(r.stream);
+  if (case_.knowledge == Knowledge::first_frame)
+    detect_moved();
+  else
+    r.detection = detect_first(r.stream);
+  if (case_.packing.frame >= 0) measurement_.frame = context_.frame();
   const Reference& reference = context_.reference();
   if (const std::string difference = mismatch_now(false); !difference.empty()) throw Mismatch(difference, info.label());
   measurement_.params = r.detection.detector->params();

@@ -29,12 +29,17 @@ class PackingContext {
   // The balls where the detector runs.
   Buffer<Ball> resident(Order order, Place place, Stream& stream);
 
+  // How this frame differs from the first. Throws std::logic_error where there is no first.
+  const FrameFacts& frame();
+
   Packing packing;
   PackingFacts facts;
-  std::unique_ptr<const TiledPacking> tiled;  // null for others
+  std::unique_ptr<const TiledPacking> tiled;    // null for others
+  const PackingContext* first_frame = nullptr;  // of the settling that this packing is a frame of; itself for frame 0
 
  private:
   std::unique_ptr<Reference> reference_;
+  std::optional<FrameFacts> frame_;
   std::map<Order, OrderedBalls> orders_;
   std::uint64_t hash_ = 0;
 };
@@ -66,6 +71,7 @@ class CaseRunner {
 
  private:
   void prepare();
+  void detect_moved();  // prepare()'s part for Knowledge::first_frame
   void finish();
   Detection detect_first(Stream& stream);
   std::string mismatch_now(bool timed);

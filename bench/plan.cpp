@@ -27,8 +27,9 @@ int print_plan(const RunOptions& options) {
   double measuring = 0, bytes = 0;
   for (const Case& c : cases) measuring += estimated_seconds(c, options.selection.profile);
   for (const auto& [spec, made] : needs.packings) {
-    fmt::print("packing  {:<16} {:>8} balls  {}\n", name_of(spec), spec.n, made ? "made before" : "to be made");
-    if (!made) bytes += 16.0 * spec.n;
+    const std::string what = name_of(settled_of(spec)) + (spec.frame < 0 ? "" : " frames");
+    fmt::print("packing  {:<16} {:>8} balls  {}\n", what, spec.n, made ? "made before" : "to be made");
+    if (!made) bytes += (spec.frame < 0 ? 16.0 : 12.0 * (kLastFrame + 1)) * spec.n;
   }
   fmt::print("measure  {} cases on {} packings, about {} (what the journal holds already is not counted off)\n", cases.size(),
              needs.packings.size(), duration_text(measuring));

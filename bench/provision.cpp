@@ -16,7 +16,7 @@ namespace {
 constexpr double kTuningSeconds = 2.5;  // of one detector and form, on a typical machine
 
 bool is_made(const std::filesystem::path& folder, const PackingSpec& spec) {
-  return std::filesystem::exists(folder / (name_of(base_of(spec)) + ".balls"));
+  return std::filesystem::exists(folder / cache_file_of(base_of(spec)));
 }
 
 bool needs_tuning(const Case& c) { return c.left_out.empty() && c.protocol == Protocol::best && tunable(*c.detector); }
@@ -44,7 +44,7 @@ Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& pack
   std::set<std::string> packings, tunings;
   const auto add = [&](const PackingSpec& of_case) {
     const PackingSpec spec = base_of(of_case);
-    if (packings.insert(name_of(spec)).second) needs.packings.push_back({spec, is_made(folder, spec)});
+    if (packings.insert(cache_file_of(spec)).second) needs.packings.push_back({spec, is_made(folder, spec)});
   };
   for (const Case& c : cases) add(c.packing);
   for (const Case& c : cases) {
@@ -102,6 +102,11 @@ PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
   context = spec.tiled != 0 ? std::make_unique<PackingContext>(TiledPacking(spec, made))
                             : std::make_unique<PackingContext>(std::move(made));
   done_ += seconds;
+  if (spec.frame >= 0) {
+    PackingSpec first = spec;
+    first.frame = 0;
+    context->first_frame = spec.frame == 0 ? context.get() : &load(first, eta);
+  }
   return *context;
 }
 

@@ -19,8 +19,9 @@ struct Needs {
     PackingSpec spec;
     bool made = false;  // it lies in the folder
   };
-  std::vector<OfPacking> packings;  // each once: those that are timed, then those that are tuned on
-  int tunings = 0;                  // each of a detector, a form of output and a packing to tune on
+  // Each once: those that are timed, then those that are tuned on. Of a settling's frames, which are made together, the first.
+  std::vector<OfPacking> packings;
+  int tunings = 0;  // each of a detector, a form of output and a packing to tune on
 
   double packing_seconds() const;  // of those to be made, on two cores, roughly
   double tuning_seconds() const;

@@ -25,6 +25,8 @@ constexpr StudyInfo kStudies[] = {
     {"ablation", "The paper's kernel with one thing taken out or turned round", plan_ablation},
     {"scale", "10^3 to 10^9 balls, C = 1 and 4, sorted and shuffled: time and bytes a ball", plan_scale},
     {"fairness", "Seeds, order, cache, launch, knowledge, one force pass, cubes, radii, cell factors to 50", plan_fairness},
+    {"trajectory", "Balls on the move: frames of a settling, detectors built for frame 0 alone", plan_trajectory},
+    {"polydispersity", "Time a ball for C = 1 to 100, three distributions of radii", plan_polydispersity},
 };
 
 std::regex compile(const std::string& text, const char* option) {
@@ -48,6 +50,8 @@ double estimated_sample_us(const DetectorInfo& info, double n) {
 
 }  // namespace
 
+std::int32_t frames_between(Profile profile) { return profile == Profile::full ? 4 : 10; }
+
 Profile parse_profile(std::string_view word) {
   if (word == "default") return Profile::fast;
   if (word == "full") return Profile::full;
@@ -68,6 +72,8 @@ std::vector<Case> plan_study(std::string_view study, const StudyOptions& options
   std::erase_if(cases, [&](const Case& c) {
     return !std::regex_search(c.detector->label(), detectors) || !std::regex_search(name_of(c.packing), packings);
   });
+  if (!options.all_frames)
+    std::erase_if(cases, [&](const Case& c) { return c.packing.frame > 0 && c.packing.frame % frames_between(options.profile); });
   for (Case& c : cases) c.study = study;
   return cases;
 }
@@ -81,7 +87,7 @@ std::vector<PackingSpec> packings_of_study(std::string_view study) {
 }
 
 PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n) {
-  PackingSpec spec = base_of(like);
+  PackingSpec spec = settled_of(base_of(like));
   const std::int32_t most = profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
   spec.n = n > 0 ? n : spec.kind == PackingKind::settled ? most : std::min(like.n, most);
   spec.seed = like.seed == 2 ? 1 : 2;

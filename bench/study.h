@@ -17,6 +17,7 @@ Profile parse_profile(std::string_view word);  // "default", "full"; else InputE
 struct StudyOptions {
   Profile profile = Profile::fast;
   std::string detectors = ".*", packings = ".*";  // regular expressions, searched in labels and packing names
+  bool all_frames = false;                        // of a settling; else those that are the profile's
 };
 
 struct StudyInfo {
@@ -29,6 +30,9 @@ std::span<const StudyInfo> studies();
 // The study's cases, smallest packings first as far as it wants that, that the options select.
 // Throws InputError: no such study (with their names), or a regular expression that is none.
 std::vector<Case> plan_study(std::string_view study, const StudyOptions& options);
+
+// Of a settling's frames a profile takes every tenth (`default`) or fourth (`full`), the first and the last among them.
+std::int32_t frames_between(Profile profile);
 
 // The packings of a study in full, each once, bases of tiled ones; on a machine without a GPU those that its CPU cases need.
 std::vector<PackingSpec> packings_of_study(std::string_view study);

@@ -165,6 +165,11 @@ constexpr Field kCase[] = {{"study", text},
                            {"ablation", text_or_null},
                            {"tile_balls", positive_count, false},
                            {"bytes_workspace", count, false},
+                           {"frame", count, false},
+                           {"regrown", texts, false},
+                           {"balls_a_cell_mean", time, false},
+                           {"balls_a_cell_most", positive_count, false},
+                           {"moved_ravg", quantity, false},
                            {"kernels", list, false},
                            {"phases_us", object, false}};
 

@@ -78,6 +78,9 @@ PackingFacts TiledPacking::facts() const {
   }
   for (const Ball& b : cut) sum_of_cut += b.r;
   facts.ravg = (full > 0 ? static_cast<double>(full) * sum + sum_of_cut : sum_of_cut) / static_cast<double>(t.n);
+  std::vector<Ball> sample;
+  for (std::int32_t k = 0, m = bulk_sample(facts.n); k < m; ++k) sample.push_back(t.ball(base_.data(), bulk_ball(k, facts.n, m)));
+  facts.bulk = bulk_of(std::move(sample), facts.centres);
   const RadiusBins bins(facts.rmin, facts.rmax);
   std::vector<std::int32_t> count(RadiusBins::kMost);
   count_radii(all, bins, full, count);

@@ -39,6 +39,28 @@ void grow(Box& box, const Ball& b, float reach) {
 
 }  // namespace
 
+std::optional<Box> bulk_of(std::vector<Ball> sample, const Box& centres) {
+  constexpr double kWidenBy = 1.0 / 16, kFarLonger = 4;
+  const std::size_t outermost = sample.size() / 64;
+  if (outermost == 0) return {};
+  Box bulk = centres;
+  bool any = false;
+  int axis = 0;
+  for (float Ball::*coordinate : {&Ball::x, &Ball::y, &Ball::z}) {
+    const auto before = [coordinate](const Ball& a, const Ball& b) { return a.*coordinate < b.*coordinate; };
+    std::sort(sample.begin(), sample.end(), before);
+    const double low = sample[outermost].*coordinate, high = sample[sample.size() - 1 - outermost].*coordinate;
+    const double widen = kWidenBy * (high - low), length = high - low + 2 * widen;
+    if (static_cast<double>(centres.upper[axis]) - centres.lower[axis] > kFarLonger * length) {
+      bulk.lower[axis] = std::max(centres.lower[axis], static_cast<float>(low - widen));
+      bulk.upper[axis] = std::min(centres.upper[axis], static_cast<float>(high + widen));
+      any = true;
+    }
+    ++axis;
+  }
+  return any ? std::optional<Box>(bulk) : std::nullopt;
+}
+
 PackingFacts facts_of(std::span<const Ball> balls) {
   PackingFacts facts;
   facts.n = static_cast<std::int32_t>(balls.size());
@@ -56,6 +78,9 @@ PackingFacts facts_of(std::span<const Ball> balls) {
     sum += b.r;
   }
   facts.ravg = sum / static_cast<double>(balls.size());
+  std::vector<Ball> sample;
+  for (std::int32_t k = 0, m = bulk_sample(facts.n); k < m; ++k) sample.push_back(balls[bulk_ball(k, facts.n, m)]);
+  facts.bulk = bulk_of(std::move(sample), facts.centres);
   const RadiusBins bins(facts.rmin, facts.rmax);
   std::vector<std::int32_t> count(RadiusBins::kMost);
   for (const Ball& b : balls) ++count[bins.bin_of(b.r)];

@@ -68,16 +68,19 @@ class Ticker {
 };
 
 // Steps with drag until the bed rests and its floor carries it, then lets the last balls down, until each touches what holds it
-// within `tolerance` (m). Returns the steps taken.
-std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, double tolerance, double time_before,
-                          Ticker& tick) {
+// within `tolerance` (m). Returns the steps taken. `before`: steps and time of earlier rounds.
+std::int64_t come_to_rest(Bed& bed, const Plan& plan, const SettleRecipe& recipe, double tolerance, const SettledState& before,
+                          Ticker& tick, const SettleWatch& watch) {
   constexpr int kBetweenLooks = 50, kMostLooks = 2000, kMostDrops = 10;
   constexpr double kUsualRest = 0.6, kDrop = 0.25;  // s; the latter is some ten times the fall through a small ball's radius
   std::int64_t steps = 0;
   for (int look = 0; look < kMostLooks; ++look) {  // past the last look the checks will say what is wrong
-    for (int s = 0; s < kBetweenLooks; ++s) bed.step(plan.dt, {recipe.dashpots, recipe.drag_per_s});
-    steps += kBetweenLooks;
-    const double time = time_before + static_cast<double>(steps) * plan.dt;
+    for (int s = 0; s < kBetweenLooks; ++s) {
+      bed.step(plan.dt, {recipe.dashpots, recipe.drag_per_s});
+      ++steps;
+      if (watch) watch(before.steps + steps, bed.bodies(), bed.id());
+    }
+    const double time = before.time_s + static_cast<double>(steps) * plan.dt;
     tick(0.1 + 0.85 * std::min(1.0, time / kUsualRest), "settling");
     if (bed.mean_kinetic_energy() < recipe.rest * plan.energy_unit() && std::fabs(bed.floor_force() / plan.weight - 1) < 0.005)
       break;
@@ -114,7 +117,8 @@ double expected_solid_fraction(const std::vector<float>& radii) {
   return 0.634 + 0.0658 * spread + 0.0857 * skewness * spread * spread;
 }
 
-Packing settle(const PackingSpec& spec, SettledState& state, const Progress& progress, const SettleRecipe& recipe) {
+Packing settle(const PackingSpec& spec, SettledState& state, const Progress& progress, const SettleRecipe& recipe,
+               const SettleWatch& watch) {
   Random radius_stream(spec.seed, 1), centre_stream(spec.seed, 2);
   const std::vector<float> radii = draw_radii(spec, radius_stream);
   Plan plan = make_plan(spec, radii, recipe);
@@ -125,10 +129,11 @@ Packing settle(const PackingSpec& spec, SettledState& state, const Progress& pro
   Bed bed(std::move(start), std::move(id), plan.box, plan.modulus, recipe.skin * plan.rmin);
 
   state = {};
+  if (watch) watch(0, bed.bodies(), bed.id());
   const double touch = kTouchTolerance * plan.rmin;
   double tolerance = touch;
   for (int round = 0; round < recipe.most_rounds; ++round) {
-    const std::int64_t steps = come_to_rest(bed, plan, recipe, tolerance, state.time_s, tick);
+    const std::int64_t steps = come_to_rest(bed, plan, recipe, tolerance, state, tick, watch);
     state.steps += steps;
     state.time_s += static_cast<double>(steps) * plan.dt;
     if (const double worst = bed.worst_overlap(); worst > recipe.most_overlap) {

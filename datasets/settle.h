@@ -2,6 +2,9 @@
 // the discrete element method until the bed rests and passes every check of validity.h.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "datasets/neighbours.h"
 #include "datasets/spec.h"
 #include "touchstone/packing.h"
@@ -33,9 +36,14 @@ struct SettledState {
   double time_s = 0;  // simulated
 };
 
-// The packing of `spec` (kind settled). The same bytes on any machine and with any number of threads.
-// Throws Interrupted if `progress` does.
-Packing settle(const PackingSpec& spec, SettledState& state, const Progress& progress = {}, const SettleRecipe& recipe = {});
+// Sees the bed before the first step (step 0) and after each step in which all balls move; bodies[k] is the packing's ball id[k].
+// Steps go on counting from round to round, to SettledState::steps; those that let down the last balls are not counted.
+using SettleWatch = std::function<void(std::int64_t step, const std::vector<Body>& bodies, const std::vector<std::int32_t>& id)>;
+
+// The packing of `spec` (kind settled; its frame is ignored). The same bytes on any machine and with any number of threads,
+// watched or not. Throws Interrupted if `progress` does.
+Packing settle(const PackingSpec& spec, SettledState& state, const Progress& progress = {}, const SettleRecipe& recipe = {},
+               const SettleWatch& watch = {});
 
 // Solid fraction of a frictionless random packing of these radii (Desmond and Weeks 2014 with their coefficients:
 // 0.634 + 0.0658 D + 0.0857 S D^2, D = standard deviation over mean, S = skewness), up to D = 0.45 where it was fitted;

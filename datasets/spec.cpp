@@ -88,11 +88,13 @@ void set_key(PackingSpec& spec, std::string_view key, std::string_view text) {
     spec.solid_fraction = number<double>(key, text, 1e-6, 10);
   else if (key == "rmin_cm")
     spec.rmin = number<double>(key, text, 1e-4, 1e4) / 100;
+  else if (key == "frame")
+    spec.frame = number<std::int32_t>(key, text, 0, kLastFrame);
   else if (key == "tiled")
     spec.tiled = tiled_number(text);
   else
     throw InputError(
-        fmt::format("spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, tiled", key, text));
+        fmt::format("spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, tiled", key, text));
 }
 
 // Keys that only make sense together.
@@ -100,6 +102,12 @@ void judge(const PackingSpec& spec) {
   const double narrow = std::min(spec.base_x, spec.base_y), rmax = spec.rmin * spec.cell_factor;
   if (spec.kind == PackingKind::settled && narrow <= 0)
     throw InputError("spec: base=cube: only loose packings come as cubes; a settled one needs a floor, such as base=20x20");
+  if (spec.kind == PackingKind::loose && spec.frame >= 0)
+    throw InputError(
+        fmt::format("spec: frame={}: loose packings are not settled and have no frames; kind=settled has", spec.frame));
+  if (spec.tiled != 0 && spec.frame >= 0)
+    throw InputError(
+        fmt::format("spec: frame={}, tiled={}: a frame of a settling is not tiled; give one of the two", spec.frame, spec.tiled));
   if (narrow > 0 && narrow < 4 * rmax)
     throw InputError(
         fmt::format("spec: base={:.6g}x{:.6g}: too narrow for balls of radius {:.6g} cm; at least {:.6g} cm each way",
@@ -178,6 +186,7 @@ std::string name_of(const PackingSpec& spec) {
   if (spec.rmin != standard.rmin) name += "_r" + cm(spec.rmin);
   if (base_text(spec) != base_text(standard)) name += spec.base_x > 0 ? "_b" + base_text(spec) : "_cube";
   if (spec.kind == PackingKind::loose) name += fmt::format("_loose{:.12g}", spec.solid_fraction * 100);
+  if (spec.frame >= 0) name += fmt::format("_f{:03}", spec.frame);
   if (spec.tiled != 0) name += fmt::format("_tiled{}", spec.tiled);
   return name;
 }
@@ -196,9 +205,15 @@ std::string to_string(const PackingSpec& spec) {
   std::string text =
       fmt::format("n={},c={},seed={},base={},mix={},kind={},phi={},rmin_cm={}", spec.n, spec.cell_factor, spec.seed,
                   base_text(spec), word_of(kMixes, spec.mix), word_of(kKinds, spec.kind), spec.solid_fraction, cm(spec.rmin));
-  if (spec.tiled != 0)
-    text += fmt::format(",tiled={}", spec.tiled);  // the others' files carry their words from before there was it
+  // Else as ever: caches keep this text.
+  if (spec.frame >= 0) text += fmt::format(",frame={}", spec.frame);
+  if (spec.tiled != 0) text += fmt::format(",tiled={}", spec.tiled);
   return text;
+}
+
+PackingSpec settled_of(PackingSpec spec) {
+  spec.frame = -1;
+  return spec;
 }
 
 }  // namespace touchstone

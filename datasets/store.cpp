@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "datasets/files.h"
+#include "datasets/frames.h"
 #include "datasets/loose.h"
 #include "datasets/settle.h"
 #include "datasets/validity.h"
@@ -63,25 +64,27 @@ std::optional<Packing> load(const PackingSpec& spec, const std::filesystem::path
   return packing;
 }
 
-// For FileLock: two processes don't make the same packing twice. Says once who is waited for; `progress` may throw to stop.
-std::function<void()> wait_for_maker(const std::string& name, const std::filesystem::path& folder, const Progress& progress) {
-  return [&name, &folder, &progress, said = false]() mutable {
-    if (!said) fmt::print(stderr, "{}: another process makes {}; waiting for it\n", folder.string(), name);
-    said = true;
-    if (progress) progress(0, "waiting for another process");
-  };
-}
-
 std::string bytes_of(const Packing& packing) {
   return {reinterpret_cast<const char*>(packing.balls.data()), packing.balls.size() * sizeof(Ball)};
 }
 
 }  // namespace
 
+std::function<void()> wait_for_maker(std::string name, const std::filesystem::path& folder, const Progress& progress) {
+  return [name = std::move(name), &folder, &progress, said = false]() mutable {
+    if (!said) fmt::print(stderr, "{}: another process makes {}; waiting for it\n", folder.string(), name);
+    said = true;
+    if (progress) progress(0, "waiting for another process");
+  };
+}
+
+std::string cache_file_of(const PackingSpec& spec) { return name_of(settled_of(spec)) + (spec.frame < 0 ? ".balls" : ".frames"); }
+
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress) {
   if (spec.tiled != 0)
     throw InputError(
         fmt::format("{}: tiled packings are kept in no file; make their base, {}", name_of(spec), name_of(base_of(spec))));
+  if (spec.frame >= 0) return load_or_make_frame(spec, folder, progress);
   // Files are replaced whole, so a look needs no lock: a complete cache may be read-only.
   std::string why_not;
   if (std::optional<Packing> cached = load(spec, folder, why_not)) return *std::move(cached);

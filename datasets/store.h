@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,15 @@ namespace touchstone {
 // made (validity checked, an invalid one is an error), written atomically, and returned. A damaged file is said on stderr and
 // made anew. Waits while another process makes the same packing: said on stderr, and `progress` is called, so it can stop the
 // wait. Throws InputError for a tiled spec: those are made where they are used (bench/tiled.h).
+// A spec with a frame gives that frame of the settling: frames.h.
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress = {});
+
+// The file of a folder of packings that holds what this spec means: "c4_n2969.balls", for a frame "c4_n2969.frames".
+std::string cache_file_of(const PackingSpec& spec);
+
+// For FileLock: two processes don't make the same thing twice. Says once on stderr who is waited for; `progress` may throw to
+// stop. The arguments must outlive it, but for `name`.
+std::function<void()> wait_for_maker(std::string name, const std::filesystem::path& folder, const Progress& progress);
 
 // Changes whenever the bytes made from a spec change: older cached packings are then made anew.
 inline constexpr int kGeneratorVersion = 1;

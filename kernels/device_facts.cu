@@ -70,6 +70,12 @@ __global__ void histogram_kernel(BallsView in, RadiusBins bins, std::int32_t* co
     if (shared[b] != 0) atomicAdd(&count[b], shared[b]);
 }
 
+// One thread a ball of the sample.
+__global__ void sample_kernel(BallsView in, std::int32_t size, Ball* sample) {
+  const std::int32_t k = static_cast<std::int32_t>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (k < size) sample[k] = in.data[bulk_ball(k, in.n, size)];
+}
+
 }  // namespace
 
 PackingFacts facts_on_device(BallsView in, Stream& stream) {
@@ -79,6 +85,9 @@ PackingFacts facts_on_device(BallsView in, Stream& stream) {
   const std::int64_t blocks = std::min(kMostBlocks, blocks_for(in.n, kThreads));
   Buffer<Extremes> of_block(blocks, Place::device, stream);
   launch(stream, {blocks, kThreads, kThreads * sizeof(Extremes)}, extremes_kernel, in, of_block.data());
+  Buffer<Ball> sample(bulk_sample(in.n), Place::device, stream);
+  const auto sample_size = static_cast<std::int32_t>(sample.size());
+  launch(stream, {blocks_for(sample_size, kThreads), kThreads}, sample_kernel, in, sample_size, sample.data());
   const std::vector<Extremes> all = download(of_block.data(), of_block.size(), stream);
   Extremes total = all[0];
   for (std::size_t k = 1; k < all.size(); ++k) include(total, all[k]);
@@ -88,6 +97,7 @@ PackingFacts facts_on_device(BallsView in, Stream& stream) {
   }
   facts.rmin = total.rmin, facts.rmax = total.rmax;
   facts.ravg = total.sum / in.n;
+  facts.bulk = bulk_of(download(sample.data(), sample.size(), stream), facts.centres);
 
   const RadiusBins bins(facts.rmin, facts.rmax);
   Buffer<std::int32_t> count(RadiusBins::kMost, Place::device, stream);

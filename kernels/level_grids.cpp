@@ -17,9 +17,8 @@ namespace {
 // Cells of a level, in its largest radii: along x, and along y and z (docs/levels.md).
 constexpr double kCellX = 1, kCellYZ = 2;
 
-// What a search costs, in instructions of a thread: once for a ball that asks its own level, or a finer one (there by many
-// threads); a row of cells; a ball tested, in a level of one radius or of several.
-constexpr double kPerOwn = 200, kPerFiner = 1000, kPerRow = 35, kPerTest = 14, kPerTestOfSeveral = 18;
+// A level more must save this share of the search: it has rows to sum and blocks to start.
+constexpr double kLeastSaving = 0.01;
 
 // What a choice by hand may be: cells in radii; cells a ball.
 constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMostCellsABall = 1000;
@@ -36,15 +35,18 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
   return static_cast<std::int32_t>(std::min(std::floor(length / edge), 2e9)) + 1;
 }
 
+// What the grids cover.
+Box box_of(const PackingFacts& facts) { return facts.bulk.value_or(facts.centres); }
+
 // Cells of x and yz radii, or larger ones.
 LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, double yz, double cells_a_ball) {
-  const Box& centres = facts.centres;
+  const Box box = box_of(facts);
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
   level.one_radius = level.radius == facts.rmin;
   for (x *= c.radius, yz *= c.radius;; x *= 1.1, yz *= 1.1) {
     level.inv_x = static_cast<float>(1 / x), level.inv_yz = static_cast<float>(1 / yz);
-    level.nx = cells_along(centres, 0, x), level.ny = cells_along(centres, 1, yz), level.nz = cells_along(centres, 2, yz);
+    level.nx = cells_along(box, 0, x), level.ny = cells_along(box, 1, yz), level.nz = cells_along(box, 2, yz);
     if ((level.nx + 1.0) * level.ny * level.nz <= most_entries(c.balls, facts.n, cells_a_ball)) return level;
   }
 }
@@ -54,6 +56,41 @@ int lane_bits_for(double v) {
   int bits = 0;
   while (bits < 5 && 1 << bits < v) ++bits;
   return bits;
+}
+
+// How far the balls lie along an axis, m. The surfaces' box will not do: a giant's sticks out of the dust it lies in.
+double length_along(const PackingFacts& facts, int axis) {
+  const Box box = box_of(facts);
+  return static_cast<double>(box.upper[axis]) - box.lower[axis] + 2.0 * facts.rmin;
+}
+
+// The rows and balls that a ball of `radius` is expected to meet in a level of `balls` balls up to `most`, with cells of x and yz
+// metres: on an axis it asks 1 + width/cell cells, width + cell metres, but no more than there are. In its own level half of the
+// balls, and of its own row and half of the others.
+struct Query {
+  double rows, tests;
+};
+Query expected_query(const PackingFacts& facts, double radius, double most, double balls, double x, double yz, bool own) {
+  const double width = 2 * (radius + most);
+  double rows = 1, share = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cell = axis == 0 ? x : yz, length = length_along(facts, axis);
+    share *= std::min(1.0, (width + cell) / length);
+    if (axis > 0) rows *= std::min(1 + width / cell, 1 + length / cell);
+  }
+  return own ? Query{(rows + 1) / 2, balls * share / 2} : Query{rows, balls * share};
+}
+
+double instructions(const Query& q, bool own, bool several) {
+  return (own ? LevelCosts::kOwn : LevelCosts::kFiner) + q.rows * LevelCosts::kRow +
+         q.tests * (several ? LevelCosts::kTestOfSeveral : LevelCosts::kTest);
+}
+
+// How much larger than asked for a level's cells become, so that they are not too many: what make_level() will find.
+double growth_of_cells(const PackingFacts& facts, const RadiusClass& level, double x, double yz, double cells_a_ball) {
+  const double volume = length_along(facts, 0) * length_along(facts, 1) * length_along(facts, 2);
+  const double cells = volume / (x * yz * yz * level.radius * level.radius * level.radius);
+  return std::max(1.0, std::cbrt(cells / most_entries(level.balls, facts.n, cells_a_ball)));
 }
 
 void require_cell(const char* what, double cell) {
@@ -101,18 +138,18 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const L
                                  kLeastCellsABall, kMostCellsABall));
   const double cells_a_ball = choice.cells_a_ball != 0 ? choice.cells_a_ball : kCellsABall;
   const double cell_x = choice.cell_x != 0 ? choice.cell_x : kCellX, cell_yz = choice.cell_yz != 0 ? choice.cell_yz : kCellYZ;
-  const double volume = facts.surfaces.volume();
-  const auto query = [=, &facts](double radius, const RadiusClass& level, double share) {
-    const double x = cell_x * level.radius, yz = cell_yz * level.radius, width = 2 * (radius + level.radius);
-    const double rows = std::pow(width / yz + 1, 2);
-    const double tests = level.balls * std::min(1.0, (width + x) * std::pow(width + yz, 2) / volume);
-    const double per_test = level.radius > facts.rmin ? kPerTestOfSeveral : kPerTest;
-    return (share < 1 ? kPerOwn : kPerFiner) + share * (rows * kPerRow + tests * per_test);
+  const auto query = [&](double radius, const RadiusClass& level, double share) {
+    const double grown = growth_of_cells(facts, level, cell_x, cell_yz, cells_a_ball);
+    const double x = grown * cell_x * level.radius, yz = grown * cell_yz * level.radius;
+    const bool own = share<1, several = level.radius> facts.rmin;
+    return instructions(expected_query(facts, radius, level.radius, level.balls, x, yz, own), own, several);
   };
 
   LevelGrids grids;
-  grids.x0 = facts.centres.lower[0], grids.y0 = facts.centres.lower[1], grids.z0 = facts.centres.lower[2];
-  const auto classes = choice.bounds ? classes_between(facts, *choice.bounds) : split_radii(facts, LevelGrids::kMost, query);
+  const Box box = box_of(facts);
+  grids.x0 = box.lower[0], grids.y0 = box.lower[1], grids.z0 = box.lower[2];
+  const auto classes =
+      choice.bounds ? classes_between(facts, *choice.bounds) : split_radii(facts, LevelGrids::kMost, query, kLeastSaving);
   for (const RadiusClass& c : classes) {
     LevelGrid& level = grids.level[grids.levels++];
     level = make_level(facts, c, cell_x, cell_yz, cells_a_ball);
@@ -121,6 +158,25 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const L
     grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));
   }
   return grids;
+}
+
+LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
+  std::vector<double> balls(grids.levels, 0);
+  for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
+  LevelWork work;
+  for (const auto& [radius, count] : facts.radii) {
+    const int own = grids.level_of(radius);
+    const double share = static_cast<double>(count) / facts.n;
+    for (int asked = 0; asked <= own; ++asked) {
+      const LevelGrid& g = grids.level[asked];
+      const Query q = expected_query(facts, radius, g.radius, balls[asked], 1.0 / g.inv_x, 1.0 / g.inv_yz, asked == own);
+      work.queries += share;
+      work.rows += share * q.rows;
+      work.tests += share * q.tests;
+      work.instructions += share * instructions(q, asked == own, !g.one_radius);
+    }
+  }
+  return work;
 }
 
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice) {

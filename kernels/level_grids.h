@@ -71,6 +71,22 @@ struct LevelChoice {
 // for a choice that is none: which, and what would do.
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
 
+// What one ball's searches are expected to meet, in the mean over the balls the facts know; the terms of docs/theory.md for
+// levels, centres uniform in the box, and what plan_level_grids makes least.
+struct LevelWork {
+  double queries = 0;       // levels asked
+  double rows = 0;          // rows of cells asked
+  double tests = 0;         // balls tested
+  double instructions = 0;  // of a thread: these, weighed by LevelCosts
+};
+LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids);
+
+// What a search costs, in instructions of a thread (docs/levels.md, "Floors"): once for a ball that asks its own level, or a
+// finer one, where many threads share it; for a row of cells; for a ball tested, in a level of one radius or of several.
+struct LevelCosts {
+  static constexpr double kOwn = 200, kFiner = 1000, kRow = 35, kTest = 14, kTestOfSeveral = 18;
+};
+
 // The searches for balls as many as the facts say, in blocks of `threads`. Throws InputError as above.
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {});
 

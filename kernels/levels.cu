@@ -16,9 +16,9 @@
 
 #include "kernels/contact_writer.h"
 #include "kernels/detection.h"
-#include "kernels/sorted_levels.h"
 #include "kernels/levels.h"
 #include "kernels/planning.h"
+#include "kernels/sorted_levels.h"
 #include "kernels/sorted_rows.h"
 #include "kernels/variants.h"
 #include "kernels/warp_sum.h"
@@ -27,21 +27,21 @@
 namespace touchstone {
 namespace {
 
-constexpr int kHits = 8;  // contacts that a thread keeps before it writes; more are written one by one
+constexpr int kHits = 8;  // contacts that a thread keeps before all of its block write; one with more asks again
 
 // A ball that asks: where it stands, and which of the rows of cells within its reach this thread takes.
 struct Asking {
   Ball ball;
   std::int32_t place;
-  std::int32_t row;  // of its level, in which it was filed; used where it asks that level
-  int lane, lanes;   // rows lane, lane + lanes, …
+  std::int32_t y, z;  // row of its level in which it was filed; used where it asks that level
+  int lane, lanes;    // rows lane, lane + lanes, …
 };
 
 // The ball asks level `asked`, which is its own or a finer one; emit() for each contact that is its to find, with the other's
 // number where that level was planned for one radius, else with its place.
 template <class Emit>
-__device__ inline void ask(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Asking& a, int asked, bool own,
-                           float drift, Emit&& emit) {
+__device__ inline void ask(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Asking& a, int asked,
+                           bool own, float drift, Emit&& emit) {
   const LevelGrid& g = grids.level[asked];
   const Ball& me = a.ball;
   const float sum = add(me.r, g.radius), reach = pad(add(sum, drift));
@@ -54,7 +54,7 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
   // Of its own level a ball asks the rest of its own row, and the rows after it.
   std::int32_t y = y_lo, z = cell_coordinate(sub(me.z, reach), grids.z0, g.inv_yz, g.nz);
   bool own_row = own && a.lane == 0;
-  if (own) y = a.row % g.ny, z = a.row / g.ny;
+  if (own) y = a.y, z = a.z;
   const std::int32_t width = y_hi - y_lo + 1, stride = g.nx + 1;
   for (y += a.lane; y > y_hi; y -= width) ++z;
   std::int32_t row = g.first_entry + (z * g.ny + y) * stride;  // its first entry
@@ -152,10 +152,9 @@ __device__ inline Asker asker(const Ball* in, const LevelGrids& grids, const Sor
   const std::int32_t number = g.one_radius ? b.number_or_radius : index.number[place];
   float radius = g.radius;
   if (!alike) radius = g.one_radius ? in[number].r : __int_as_float(b.number_or_radius);
-  const std::int32_t row = index.row ? index.row[place]
-                                     : cell_coordinate(b.z, grids.z0, g.inv_yz, g.nz) * g.ny +
-                                           cell_coordinate(b.y, grids.y0, g.inv_yz, g.ny);
-  return {{Ball{b.x, b.y, b.z, radius}, place, row, lane, lanes}, number};
+  std::int32_t y = cell_coordinate(b.y, grids.y0, g.inv_yz, g.ny), z = cell_coordinate(b.z, grids.z0, g.inv_yz, g.nz);
+  if (index.row) y = index.row[place] % g.ny, z = index.row[place] / g.ny;  // it may have moved since
+  return {{Ball{b.x, b.y, b.z, radius}, place, y, z, lane, lanes}, number};
 }
 
 enum class Write {

@@ -34,9 +34,7 @@ void RadixSort::sort(const std::uint32_t* key, const std::int32_t* value, std::u
 
 ExclusiveScan::ExclusiveScan(std::int32_t n, Stream&) : n_(n) {}
 
-void ExclusiveScan::scan(std::int64_t* entries, Stream&) {
-  std::exclusive_scan(entries, entries + n_, entries, std::int64_t{0});
-}
+void ExclusiveScan::scan(std::int64_t* entries, Stream&) { std::exclusive_scan(entries, entries + n_, entries, std::int64_t{0}); }
 
 #else
 

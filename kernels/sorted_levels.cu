@@ -10,8 +10,8 @@ namespace touchstone {
 namespace {
 
 constexpr int kMostLevels = LevelGrids::kMost;
-constexpr int kChunksInHand = 4;      // 32 cells each: what of a row a warp keeps in registers
-constexpr float kMostDrift = 0.1f;    // in radii of the finest level: the search's boxes grow by as much
+constexpr int kChunksInHand = 4;    // 32 cells each: what of a row a warp keeps in registers
+constexpr float kMostDrift = 0.1f;  // in radii of the finest level: the search's boxes grow by as much
 
 // A ball of the source, and its number in the packing.
 struct Sourced {
@@ -62,8 +62,8 @@ __global__ void follow_kernel(BallsView in, const __grid_constant__ LevelGrids g
 }
 
 // One thread a ball: counts it in its cell, and keeps its rank there. Balls of levels are counted a block at a time.
-__global__ void count_kernel(BallSource source, const __grid_constant__ LevelGrids grids, SortedLevelsView index, ContactsView out,
-                             bool always) {
+__global__ void count_kernel(BallSource source, const __grid_constant__ LevelGrids grids, SortedLevelsView index,
+                             ContactsView out, bool always) {
   __shared__ std::int32_t counted[kMostLevels], odd[kMostLevels];
   let_next_kernel_begin();
   if (threadIdx.x < kMostLevels) counted[threadIdx.x] = odd[threadIdx.x] = 0;
@@ -193,8 +193,8 @@ bool counts_in_place(std::int64_t n, const LevelOptions& options) { return n >= 
 
 std::int64_t memory_of(std::int64_t n, std::int64_t entries, bool several_radii, const LevelOptions& options) {
   const std::int64_t words = (counts_in_place(n, options) ? 1 : 2) * entries + (1 + several_radii + options.updates) * n;
-  return sizeof(std::int32_t) * (words + 3 * kMostLevels) + sizeof(PlacedBall) * n + sizeof(LevelState) * kMostLevels + sizeof(Drift) +
-         (n >= options.large_from ? PartedBalls::bytes() : 0);
+  return sizeof(std::int32_t) * (words + 3 * kMostLevels) + sizeof(PlacedBall) * n + sizeof(LevelState) * kMostLevels +
+         sizeof(Drift) + (n >= options.large_from ? PartedBalls::bytes() : 0);
 }
 
 // The storage for contacts, which nothing writes before the search.
@@ -262,7 +262,8 @@ void SortedLevels::file(const BallSource& source, ContactsView out, bool always,
   const bool follows = !always;  // follow_kernel, of the same run
   launch_after(follows && overlaps_, stream, balls, count_kernel, source, grids_, index, out, always);
   stream.mark("rows");
-  launch_after(overlaps_, stream, {blocks_for(grids_.rows, threads_ / kWarpSize), threads_}, rows_kernel, n_, grids_, index, always);
+  launch_after(overlaps_, stream, {blocks_for(grids_.rows, threads_ / kWarpSize), threads_}, rows_kernel, n_, grids_, index,
+               always);
   stream.mark("move");
   launch_after(overlaps_, stream, balls, move_kernel, source, grids_, index, always);
 }

@@ -15,9 +15,9 @@ class SortedRows {
   std::int64_t* end() const { return end_.data(); }  // [n]
 
   // All only enqueue.
-  void clear(Stream& stream);                                  // before counting
-  void counts_to_starts(ContactsView out, Stream& stream);    // after it: end()[i] is the first place of row i; sets *out.count
-  void sort(ContactsView out, Stream& stream);                // after writing, or of the rows of ball_lists
+  void clear(Stream& stream);                               // before counting
+  void counts_to_starts(ContactsView out, Stream& stream);  // after it: end()[i] is the first place of row i; sets *out.count
+  void sort(ContactsView out, Stream& stream);              // after writing, or of the rows of ball_lists
 
   std::int64_t bytes() const;
 

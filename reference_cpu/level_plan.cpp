@@ -24,7 +24,9 @@ double most_cells(double balls) { return std::min(4 * balls + 64, 1e8); }
 }  // namespace
 
 std::vector<Level> plan_levels(const PackingFacts& facts) {
-  const double volume = facts.surfaces.volume();
+  const Box centres = facts.bulk.value_or(facts.centres);
+  double volume = 1;
+  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(centres.upper[axis]) - centres.lower[axis] + 2 * facts.ravg;
   const auto query = [volume](double radius, const RadiusClass& level, double share) {
     const double cell = kCellRadii * level.radius, width = 2 * (radius + level.radius);
     const double rows = share * std::pow(width / cell + 1, 2);
@@ -36,8 +38,8 @@ std::vector<Level> plan_levels(const PackingFacts& facts) {
   std::vector<Level> levels;
   std::int64_t cells = 0;
   for (auto c = classes.rbegin(); c != classes.rend(); ++c) {
-    const double cell = coarse_enough(facts.centres, kCellRadii * c->radius, most_cells(c->balls));
-    levels.push_back({static_cast<float>(c->radius), make_grid(facts.centres, cell), static_cast<std::int32_t>(cells)});
+    const double cell = coarse_enough(centres, kCellRadii * c->radius, most_cells(c->balls));
+    levels.push_back({static_cast<float>(c->radius), make_grid(centres, cell), static_cast<std::int32_t>(cells)});
     cells += levels.back().grid.cells();
   }
   return levels;

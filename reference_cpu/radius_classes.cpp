@@ -1,5 +1,7 @@
 #include "reference_cpu/radius_classes.h"
 
+#include <algorithm>
+
 namespace touchstone {
 namespace {
 
@@ -11,40 +13,49 @@ RadiusClass make_class(const Radii& radii, int first, int last) {
   return {first, last, radii[last - 1].first, balls};
 }
 
-double total(const Radii& radii, const std::vector<RadiusClass>& classes, const QueryCost& cost) {
+// What asking the balls of one class costs all who do: its own balls, and those of every coarser class, whichever that is.
+double cost_of_asking(const Radii& radii, const RadiusClass& asked, const QueryCost& cost) {
   double sum = 0;
-  for (std::size_t asking = 0; asking < classes.size(); ++asking)
-    for (int b = classes[asking].first; b < classes[asking].last; ++b)
-      for (std::size_t asked = 0; asked <= asking; ++asked)
-        sum += radii[b].second * cost(radii[b].first, classes[asked], asked == asking ? 0.5 : 1.0);
+  for (int b = asked.first; b < static_cast<int>(radii.size()); ++b)
+    sum += radii[b].second * cost(radii[b].first, asked, b < asked.last ? 0.5 : 1.0);
   return sum;
 }
 
-// The best way to split one of the classes in two, or `classes` itself if none is cheaper.
-std::vector<RadiusClass> best_split(const Radii& radii, const std::vector<RadiusClass>& classes, const QueryCost& cost) {
-  std::vector<RadiusClass> best = classes;
-  double least = total(radii, classes, cost);
-  for (std::size_t c = 0; c < classes.size(); ++c)
-    for (int at = classes[c].first + 1; at < classes[c].last; ++at) {
-      std::vector<RadiusClass> split = classes;
-      split[c] = make_class(radii, classes[c].first, at);
-      split.insert(split.begin() + static_cast<std::ptrdiff_t>(c) + 1, make_class(radii, at, classes[c].last));
-      const double candidate = total(radii, split, cost);
-      if (candidate < least) least = candidate, best = std::move(split);
-    }
+// A class and the best way to split it in two. Neither depends on how the others are split.
+struct Split {
+  RadiusClass whole;
+  double cost = 0;    // of asking it, unsplit
+  int at = 0;         // the coarser half's first bin
+  double saving = 0;  // not above 0: no split saves any
+};
+Split best_split(const Radii& radii, const RadiusClass& whole, const QueryCost& cost) {
+  Split best{whole, cost_of_asking(radii, whole, cost), 0, 0};
+  for (int at = whole.first + 1; at < whole.last; ++at) {
+    const double split = cost_of_asking(radii, make_class(radii, whole.first, at), cost) +
+                         cost_of_asking(radii, make_class(radii, at, whole.last), cost);
+    if (best.cost - split > best.saving) best.at = at, best.saving = best.cost - split;
+  }
   return best;
 }
 
 }  // namespace
 
-std::vector<RadiusClass> split_radii(const PackingFacts& facts, int most, const QueryCost& cost) {
+std::vector<RadiusClass> split_radii(const PackingFacts& facts, int most, const QueryCost& cost, double least_saving) {
   if (facts.n == 0) return {};
-  std::vector<RadiusClass> classes{make_class(facts.radii, 0, static_cast<int>(facts.radii.size()))};
-  while (static_cast<int>(classes.size()) < most) {
-    std::vector<RadiusClass> split = best_split(facts.radii, classes, cost);
-    if (split.size() == classes.size()) break;
-    classes = std::move(split);
+  std::vector<Split> splits{best_split(facts.radii, make_class(facts.radii, 0, static_cast<int>(facts.radii.size())), cost)};
+  while (static_cast<int>(splits.size()) < most) {
+    const auto best =
+        std::max_element(splits.begin(), splits.end(), [](const Split& a, const Split& b) { return a.saving < b.saving; });
+    double now = 0;
+    for (const Split& s : splits) now += s.cost;
+    if (!(best->saving > least_saving * now)) break;
+    const RadiusClass whole = best->whole;
+    const int at = best->at;
+    *best = best_split(facts.radii, make_class(facts.radii, whole.first, at), cost);
+    splits.insert(best + 1, best_split(facts.radii, make_class(facts.radii, at, whole.last), cost));
   }
+  std::vector<RadiusClass> classes;
+  for (const Split& s : splits) classes.push_back(s.whole);
   return classes;
 }
 

@@ -20,7 +20,8 @@ struct RadiusClass {
 using QueryCost = std::function<double(double radius, const RadiusClass& asked, double share)>;
 
 // Classes of ascending radius, at most `most` of them, for searches in which each ball asks its own class and all finer ones.
-// Splits are tried one by one; the one that saves most is kept while any saves. None for n = 0.
-std::vector<RadiusClass> split_radii(const PackingFacts& facts, int most, const QueryCost& cost);
+// Splits are tried one by one; the one that saves most is kept while it saves more than this share of what the classes cost
+// before it: within 5 % of the best classes there are (tests/level_grids_test.cpp). None for n = 0.
+std::vector<RadiusClass> split_radii(const PackingFacts& facts, int most, const QueryCost& cost, double least_saving = 0);
 
 }  // namespace touchstone

@@ -50,7 +50,31 @@ TEST(Facts, HistogramHoldsEveryBallBelowItsBinsUpperRadius) {
   }
 }
 
-// The guess by division is off by one for some of these ends: each end belongs to its bin, the float after it to the next.
+TEST(Facts, BulkIsNamedWhereFarOutliersMakeTheBoxMuchLonger) {
+  small_packings_detail::Random random(12);
+  std::vector<Ball> balls = small_packings_detail::mixture(5000, 4, random);
+  EXPECT_FALSE(facts_of(balls).bulk) << "no outlier";
+  const Box before = facts_of(balls).centres;
+  balls.push_back({100, 0, 0, 0.0025f});
+  balls.push_back({0, -7, 0, 0.0025f});
+  const PackingFacts facts = facts_of(balls);
+  EXPECT_EQ(facts.centres.upper[0], 100) << "the box still holds all";
+  ASSERT_TRUE(facts.bulk);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LE(facts.bulk->lower[axis], before.lower[axis]) << axis;
+    EXPECT_GE(facts.bulk->upper[axis], before.upper[axis]) << axis;
+    EXPECT_LE(facts.bulk->upper[axis] - facts.bulk->lower[axis], 1.5f * (before.upper[axis] - before.lower[axis])) << axis;
+  }
+  // Twice as long is no reason; nor is a packing of which a good part lies far off.
+  balls.resize(5000);
+  balls.push_back({2 * before.upper[0], 0, 0, 0.0025f});
+  EXPECT_FALSE(facts_of(balls).bulk);
+  for (int k = 0; k < 500; ++k) balls[10 * k].x += 50;
+  EXPECT_FALSE(facts_of(balls).bulk);
+  EXPECT_FALSE(facts_of(std::vector<Ball>(60, Ball{1, 2, 3, 1})).bulk);
+}
+
+// Each end belongs to its bin, the float after it to the next.
 TEST(RadiusBins, EndsBelongToTheirBin) {
   for (const auto& [least, most] :
        {std::pair{0.0025f, 0.01f}, {0.0025f, 0.0125f}, {0.1f, 0.7f}, {1.0f, 1.00001f}, {3e-5f, 7.0f}}) {
@@ -66,6 +90,20 @@ TEST(RadiusBins, EndsBelongToTheirBin) {
       }
     }
   }
+}
+
+TEST(RadiusBins, TellSmallRadiiApartAlsoAmongLargeOnes) {
+  for (const float factor : {1.5f, 4.0f, 100.0f, 1000.0f}) {
+    const RadiusBins bins(0.0025f, 0.0025f * factor);
+    // Equal ratios would be factor^(1/255); a bin of a binade's lower end is twice as wide, in ratio, as one of its upper end.
+    const double most = 1 + 1.5 * std::log(factor) / 255;
+    for (int b = 1; b < RadiusBins::kMost; ++b)
+      EXPECT_LE(bins.upper(b), most * bins.upper(b - 1)) << "bin " << b << " of C = " << factor;
+    EXPECT_EQ(bins.upper(0), 0.0025f) << "rmin alone";
+  }
+  const RadiusBins equal(0.5f, 0.5f);
+  EXPECT_EQ(equal.bin_of(0.5f), 0);
+  EXPECT_EQ(equal.upper(0), 0.5f);
 }
 
 std::string refusal(Ball bad) {

@@ -4,11 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
 #include <vector>
 
+#include "datasets/loose.h"
 #include "kernels/detection.h"
 #include "kernels/variants.h"
 #include "reference_cpu/all_pairs.h"
+#include "reference_cpu/radius_classes.h"
 #include "tests/small_packings.h"
 #include "touchstone/error.h"
 
@@ -123,6 +129,204 @@ TEST(LevelQueries, EachLevelAsksItselfAndAllFinerOnesOnce) {
   }
 }
 
+// ---- the cost model ----
+
+// Bounds at these shares of the way from rmin to rmax; 0 is rmin.
+std::vector<float> bounds_at(const PackingFacts& facts, const std::vector<float>& shares) {
+  std::vector<float> bounds;
+  for (const float s : shares) bounds.push_back(facts.rmin + s * (facts.rmax - facts.rmin));
+  return bounds;
+}
+
+// What the searches do meet: the plan walked on the CPU as levels.cu's ask() walks it, a ball in the mean.
+LevelWork counted_work(const std::vector<Ball>& balls, const LevelGrids& grids) {
+  struct Cells {
+    std::vector<int> before;  // [entries + 1] balls in earlier entries
+    int of(const LevelGrid& g, int row, int x_lo, int x_hi) const {
+      return before[row * (g.nx + 1) + x_hi + 1] - before[row * (g.nx + 1) + x_lo];
+    }
+  };
+  const auto x_of = [&](const LevelGrid& g, float v) { return cell_coordinate(v, grids.x0, g.inv_x, g.nx); };
+  const auto y_of = [&](const LevelGrid& g, float v) { return cell_coordinate(v, grids.y0, g.inv_yz, g.ny); };
+  const auto z_of = [&](const LevelGrid& g, float v) { return cell_coordinate(v, grids.z0, g.inv_yz, g.nz); };
+  std::vector<Cells> cells(grids.levels);
+  std::vector<int> rank(balls.size());  // among the balls of its cell
+  for (int l = 0; l < grids.levels; ++l) cells[l].before.assign(grids.level[l].rows() * (grids.level[l].nx + 1) + 2, 0);
+  const auto entry_of = [&](const LevelGrid& g, const Ball& b) {
+    return (z_of(g, b.z) * g.ny + y_of(g, b.y)) * (g.nx + 1) + x_of(g, b.x);
+  };
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const int l = grids.level_of(balls[i].r);
+    rank[i] = cells[l].before[entry_of(grids.level[l], balls[i]) + 1]++;
+  }
+  for (Cells& c : cells) std::partial_sum(c.before.begin(), c.before.end(), c.before.begin());
+  LevelWork work;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const Ball& b = balls[i];
+    const int own = grids.level_of(b.r);
+    for (int asked = 0; asked <= own; ++asked) {
+      const LevelGrid& g = grids.level[asked];
+      const float reach = pad(b.r + g.radius);
+      const int x_lo = x_of(g, b.x - reach), x_hi = x_of(g, b.x + reach), y_lo = y_of(g, b.y - reach),
+                y_hi = y_of(g, b.y + reach);
+      ++work.queries;
+      for (int z = z_of(g, b.z - reach); z <= z_of(g, b.z + reach); ++z)
+        for (int y = y_lo; y <= y_hi; ++y) {
+          const int row = z * g.ny + y, own_row = z_of(g, b.z) * g.ny + y_of(g, b.y);
+          if (asked == own && row < own_row) continue;
+          ++work.rows;
+          work.tests += asked == own && row == own_row ? cells[asked].of(g, row, x_of(g, b.x), x_hi) - rank[i] - 1
+                                                       : cells[asked].of(g, row, x_lo, x_hi);
+        }
+    }
+  }
+  for (double* v : {&work.queries, &work.rows, &work.tests}) *v /= static_cast<double>(balls.size());
+  return work;
+}
+
+std::vector<Ball> loose(Mix mix, double cell_factor, int n = 20000) {
+  PackingSpec spec;
+  spec.kind = PackingKind::loose;
+  spec.mix = mix;
+  spec.cell_factor = cell_factor;
+  spec.n = n;
+  spec.base_x = spec.base_y = 0;
+  return make_loose(spec).balls;
+}
+
+// The model has no walls, and balls in a box have: at these sizes it is good to 10 %.
+TEST(LevelWork, IsWhatTheSearchesMeet) {
+  for (const auto& [mix, cell_factor] :
+       {std::pair{Mix::table1, 1.0}, {Mix::table1, 4.0}, {Mix::uniform, 10.0}, {Mix::power_law, 20.0}, {Mix::table1, 50.0}}) {
+    const std::vector<Ball> balls = loose(mix, cell_factor);
+    const PackingFacts facts = facts_of(balls);
+    const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+    const LevelWork expected = expected_work(facts, grids), counted = counted_work(balls, grids);
+    SCOPED_TRACE(std::string(to_string(mix)) + ", C = " + std::to_string(cell_factor) + ", " + std::to_string(grids.levels) +
+                 " levels: rows " + std::to_string(counted.rows) + " of " + std::to_string(expected.rows) + ", tests " +
+                 std::to_string(counted.tests) + " of " + std::to_string(expected.tests));
+    EXPECT_NEAR(counted.queries, expected.queries, 1e-9);
+    EXPECT_LT(counted.rows / expected.rows, 1.05);
+    EXPECT_GT(counted.rows / expected.rows, 0.9);
+    EXPECT_LT(counted.tests / expected.tests, 1.1);
+    EXPECT_GT(counted.tests / expected.tests, 0.9);
+    EXPECT_GT(expected.instructions, expected.rows * LevelCosts::kRow + expected.tests * LevelCosts::kTest);
+  }
+}
+
+// By the model other levels are no better than the plan.
+TEST(LevelWork, OfThePlanIsLeast) {
+  for (const auto& [mix, cell_factor] : {std::pair{Mix::table1, 6.0}, {Mix::uniform, 20.0}, {Mix::power_law, 100.0}}) {
+    const PackingFacts facts = facts_of(loose(mix, cell_factor));
+    const auto cost = [&](const LevelChoice& choice) {
+      return expected_work(facts, plan_level_grids(facts, kRowsABlock, choice)).instructions;
+    };
+    const double planned = cost({});
+    EXPECT_LE(planned, 1.03 * cost({.bounds = std::vector<float>()})) << "one level";
+    for (const float share : {0.02f, 0.1f, 0.3f, 0.6f})
+      EXPECT_LT(planned, 1.03 * cost({.bounds = bounds_at(facts, {share})})) << to_string(mix) << ", two levels, " << share;
+    EXPECT_LT(planned, 1.03 * cost({.bounds = bounds_at(facts, {0, 0.1f, 0.3f})})) << to_string(mix);
+  }
+}
+
+// Splits are taken one at a time. Every set of classes, by dynamic programming: what asking a class costs depends on it alone.
+TEST(RadiusClasses, AreNearlyTheBestThereAre) {
+  for (const auto& [mix, cell_factor] : {std::pair{Mix::table1, 4.0},
+                                         {Mix::table1, 100.0},
+                                         {Mix::uniform, 50.0},
+                                         {Mix::power_law, 10.0},
+                                         {Mix::power_law, 100.0}}) {
+    const PackingFacts facts = facts_of(loose(mix, cell_factor, 5000));
+    const double volume = facts.surfaces.volume();
+    const QueryCost cost = [&](double radius, const RadiusClass& asked, double share) {
+      const double edge = 2 * asked.radius, width = 2 * (radius + asked.radius);
+      return 20 + share * (std::pow(width / edge + 1, 2) + asked.balls * std::min(1.0, std::pow(width + edge, 3) / volume));
+    };
+    const auto& radii = facts.radii;
+    const int bins = static_cast<int>(radii.size());
+    const auto asking = [&](int first, int last) {  // bins first … last - 1
+      RadiusClass c{first, last, radii[last - 1].first, 0};
+      for (int b = first; b < last; ++b) c.balls += radii[b].second;
+      double sum = 0;
+      for (int b = first; b < bins; ++b) sum += radii[b].second * cost(radii[b].first, c, b < last ? 0.5 : 1.0);
+      return sum;
+    };
+    std::vector<double> least(bins + 1, 0);  // of the bins from b on
+    for (int b = bins - 1; b >= 0; --b) {
+      least[b] = HUGE_VAL;
+      for (int last = b + 1; last <= bins; ++last) least[b] = std::min(least[b], asking(b, last) + least[last]);
+    }
+    double found = 0;
+    const std::vector<RadiusClass> classes = split_radii(facts, bins, cost);
+    int next = 0;
+    for (const RadiusClass& c : classes) {
+      EXPECT_EQ(c.first, next);
+      EXPECT_EQ(c.radius, radii[c.last - 1].first);
+      next = c.last;
+      found += asking(c.first, c.last);
+    }
+    EXPECT_EQ(next, bins);
+    EXPECT_GE(found, 0.999999 * least[0]);
+    EXPECT_LE(found, 1.05 * least[0]) << to_string(mix) << ", C = " << cell_factor << ", " << classes.size() << " classes";
+    EXPECT_LE(split_radii(facts, 2, cost).size(), 2u);
+    EXPECT_EQ(split_radii(facts, bins, cost, 0.9999).size(), 1u) << "nothing saves that much";
+  }
+}
+
+// ---- radii far apart ----
+
+// The index stays small, and so do the searches, whatever the radii.
+TEST(LevelGrids, TableOfWideRadii) {
+  std::vector<Ball> giant = loose(Mix::table1, 1);
+  const PackingFacts dust = facts_of(giant);
+  giant.push_back({0.1f, 0.1f, 0.1f, 1000 * dust.rmin});
+  struct Line {
+    const char* name;
+    std::vector<Ball> balls;
+    int least_levels, most_levels;
+    double most_tests;  // expected, a ball
+  };
+  for (const Line& line : {Line{"equal", loose(Mix::table1, 1), 1, 1, 15},
+                           {"Table 1, C = 100", loose(Mix::table1, 100), 2, 3, 15},
+                           {"Table 1, C = 1000", loose(Mix::table1, 1000), 2, 3, 15},
+                           {"uniform, C = 100", loose(Mix::uniform, 100), 1, 4, 35},
+                           {"uniform, C = 1000", loose(Mix::uniform, 1000), 1, 4, 35},
+                           {"power law, C = 100", loose(Mix::power_law, 100), 3, 7, 15},
+                           {"power law, C = 1000", loose(Mix::power_law, 1000, 200000), 3, 8, 15},
+                           {"power law, C = 2", loose(Mix::power_law, 2), 1, 1, 30},  // a second level saves next to nothing
+                           {"a giant of 1000 among dust", giant, 2, 2, 20}}) {
+    const PackingFacts facts = facts_of(line.balls);
+    const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+    const LevelWork work = expected_work(facts, grids);
+    SCOPED_TRACE(line.name);
+    if (std::getenv("TOUCHSTONE_SHOW_TABLES"))
+      std::printf("%-28s %d levels, %.2f cells a ball, %.1f rows, %.1f tests, %.0f instructions a ball\n", line.name,
+                  grids.levels, 1.0 * grids.entries / facts.n, work.rows, work.tests, work.instructions);
+    EXPECT_GE(grids.levels, line.least_levels);
+    EXPECT_LE(grids.levels, line.most_levels);
+    EXPECT_LE(grids.entries, 4 * std::int64_t{facts.n} + 64 * grids.levels);
+    EXPECT_LE(work.tests, line.most_tests);
+    const double counted = counted_work(line.balls, grids).tests;
+    EXPECT_LT(counted / work.tests, 1.05);
+    EXPECT_GT(counted / work.tests, 0.7);
+    expect_sound(line.balls, grids);
+  }
+}
+
+// Outliers cost no more than themselves: neither memory nor tests of all the others.
+TEST(LevelGrids, FarOutliersDoNotCoarsenTheCells) {
+  std::vector<Ball> balls = loose(Mix::table1, 4);
+  const PackingFacts before = facts_of(balls);
+  const double tests = counted_work(balls, plan_level_grids(before, kRowsABlock)).tests;
+  balls.push_back({300, 200, 100, before.rmax});
+  balls.push_back({-1000, 0, 0, before.rmin});
+  const PackingFacts facts = facts_of(balls);
+  const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+  expect_sound(balls, grids);
+  EXPECT_LT(counted_work(balls, grids).tests, 1.15 * tests) << "a cell that holds all would be thousands";
+  EXPECT_LT(grids.entries, 4 * facts.n + 128);
+}
+
 // ---- levels chosen by hand ----
 
 const DetectorInfo& levels_row() {
@@ -139,13 +343,6 @@ ContactList contacts_of(const std::vector<Ball>& balls, const LevelChoice& choic
   d.detector = make_chosen_levels(facts, {.threads_broad = 32, .threads_narrow = 64}, choice, stream);
   complete_detection(d, levels_row(), facts, {}, form, stream, 1000);
   return d.output->download(stream);
-}
-
-// Bounds at these shares of the way from rmin to rmax; 0 is rmin.
-std::vector<float> bounds_at(const PackingFacts& facts, const std::vector<float>& shares) {
-  std::vector<float> bounds;
-  for (const float s : shares) bounds.push_back(facts.rmin + s * (facts.rmax - facts.rmin));
-  return bounds;
 }
 
 TEST(LevelChoice, AnySensibleOneIsExact) {
@@ -170,6 +367,19 @@ TEST(LevelChoice, AnySensibleOneIsExact) {
       expect_exact({.bounds = bounds_at(facts, {0, 0.3f}), .lanes_finest = lanes, .lanes_own = 32 / lanes, .lanes_finer = lanes},
                    std::to_string(lanes) + " lanes");
   }
+}
+
+TEST(LevelGrids, OutliersThatTouchEachOtherAreFound) {
+  small_packings_detail::Random random(23);
+  std::vector<Ball> balls = small_packings_detail::mixture(130, 4, random);
+  const float rmin = facts_of(balls).rmin;
+  for (const float side : {-1.0f, 1.0f}) {
+    balls.push_back({side * 30, side * 20, side * 10, rmin});
+    balls.push_back({side * 30, side * 20 + rmin, side * 10, rmin});
+  }
+  ASSERT_TRUE(facts_of(balls).bulk);
+  const ContactDifference difference = compare(contacts_of(balls, {}, OutputForm::pairs), all_pairs(balls));
+  EXPECT_TRUE(difference.equal()) << difference.text();
 }
 
 TEST(LevelChoice, IsWhatTheGridsAreMadeOf) {

@@ -148,7 +148,12 @@ TEST_F(LevelsTest, UpdatesFindPartnersThatWereFiledOutOfReach) {
 
   Bed bed(balls, {.updates = true}, OutputForm::pairs, 1000);
   EXPECT_EQ(bed.detect(balls).count(), 0);
-  for (std::size_t k = 0; k < balls.size() / 2; ++k) along(balls[2 * k + 1], k) -= 0.08f * kRadius;
+  const auto approach = [&] {
+    for (std::size_t k = 0; k < balls.size() / 2; ++k) along(balls[2 * k + 1], k) -= 0.04f * kRadius;
+  };
+  approach();
+  EXPECT_EQ(bed.update(balls).count(), 0);
+  approach();  // steps add up
   const ContactList expected = all_pairs(balls);
   ASSERT_EQ(expected.count(), static_cast<std::int64_t>(balls.size() / 2));
   EXPECT_EQ(compare(bed.update(balls), expected).text(), "equal");

@@ -111,7 +111,8 @@ TEST_F(Page, InABrowserFitsAPhoneAndADesk) {
     EXPECT_EQ(seen["width"], width) << "the browser did not take the window's width";
     EXPECT_LE(seen["page"], width) << seen["wide"];
     EXPECT_THAT(seen["wide"], IsEmpty()) << "wider than a window of " << width;
-    EXPECT_GE(seen["figures"].get<int>(), 23) << "figure 8: 2; 6, 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; scale: 6";
+    EXPECT_GE(seen["figures"].get<int>(), 30) << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; "
+                                                 "trajectory: 4; spread: 3; scale: 6";
     EXPECT_EQ(seen["empty"], 0) << "figures without a size at " << width;
     EXPECT_GE(seen["least_text"].get<double>(), 8) << "a figure's text, px, at " << width;
     EXPECT_THAT(console, IsEmpty());
@@ -179,7 +180,12 @@ TEST_F(Page, HoldsEveryTableAndFigure) {
                                "scale_fixture-1_c4",
                                "scale_speed_fixture-1",
                                "scale_bytes_fixture-1",
-                               "cases_scale_fixture-1"})
+                               "cases_scale_fixture-1",
+                               "trajectory_c4_n2969_fixture-1",
+                               "trajectory_c4_n2969_fixture-1_figure",
+                               "cases_trajectory_fixture-1",
+                               "polydispersity_fixture-1",
+                               "polydispersity_table_fixture-1"})
     EXPECT_THAT(text, HasSubstr(" id=\"" + id + "\"")) << id;
   EXPECT_THAT(text, Not(HasSubstr("Not measured yet")));
   EXPECT_THAT(text, HasSubstr("bench_detect --study figure6 --profile full"));
@@ -333,7 +339,29 @@ TEST_F(Page, ScaleWithoutACalibrationHasNoFloors) {
   std::filesystem::rename(aside, file);
   ASSERT_EQ(o.code, 0) << o.err;
   EXPECT_THAT(file_text(folder_->path() / "d/scale_fixture-1_c1_shuffled.dat"), Not(HasSubstr("floor")));
-  EXPECT_THAT(file_text(folder_->path() / "d/scale_fixture-1_c1_shuffled.gp"), HasSubstr("quartiles_from = 1\ny_low = 0.100003\n"));
+  EXPECT_THAT(file_text(folder_->path() / "d/scale_fixture-1_c1_shuffled.gp"),
+              HasSubstr("quartiles_from = 1\ny_low = 0.100003\n"));
+}
+
+TEST_F(Page, TheSpreadOfRadiiStandsBesideEqualBallsAndItsBar) {
+  const std::string table = file_text(out() / "polydispersity_table_fixture-1.md");
+  // 50 us over 50,000 balls is 1 ns, times the square root of 1.5 at C = 10; C = 1 stands in every mixture's row.
+  EXPECT_THAT(table, HasSubstr("| power law, r^-3 | 50,000 | levels | 1.00 | 1.22 | 1.50 | 1.50×, bar met |"));
+  EXPECT_THAT(table,
+              HasSubstr("| uniform in radius | 50,000 | serial_levels | 180 | 220 | not measured: made up: too large | – |"));
+  const std::string settings = file_text(out() / "polydispersity_fixture-1_uniform_loose_50000.gp");
+  EXPECT_THAT(settings, HasSubstr("bar = 2\n"));
+  EXPECT_THAT(file_text(out() / "polydispersity_fixture-1_uniform_loose_50000.dat"), HasSubstr("1 1 0.99 1.01 \"\"\n10 1.22474"));
+}
+
+TEST(SpreadOfRadii, SaysThatTheBarIsMissed) {
+  const TemporaryFolder folder;
+  fixtures::write_all(kSource, folder.path() / "results");
+  write_text(folder.path() / "results/fixture-1/polydispersity.json", fixtures::polydispersity(2.5).dump());
+  const Outcome o = run_program(std::string(TOUCHSTONE) + " report --results " + (folder.path() / "results").string() +
+                                " --out " + (folder.path() / "out").string());
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(file_text(folder.path() / "out/polydispersity_table_fixture-1.md"), HasSubstr("| 2.50×, bar missed |"));
 }
 
 TEST_F(Page, TheTheoryLineNamesItsFloorsAndABadFit) {
@@ -345,6 +373,20 @@ TEST_F(Page, TheTheoryLineNamesItsFloorsAndABadFit) {
               HasSubstr("launch_floor = NaN\nbytes_floor = NaN\n"));
   EXPECT_THAT(page(),
               HasSubstr("the fit is bad (root mean square off by more than 10 %): C = 1 "));  // its curves are no two-term costs
+}
+
+TEST_F(Page, ATrajectorysMeanStandsBesideTheBedAtRest) {
+  // Eleven frames from 20 to 40 us, on average 30; at rest 32 us. The GPU's list was too small from frame 70 on.
+  const std::string table = file_text(out() / "trajectory_c4_n2969_fixture-1.csv");
+  EXPECT_THAT(table, HasSubstr("sorted_grid/rows,0.0300†,0.0320,0.938× (0.919 to 0.956),0.0200 (at 0),0.0400 (at 100),"));
+  EXPECT_THAT(table, HasSubstr(",1.25× (1.23 to 1.28),4 of 11 (list; first at 70),100 to 120"));
+  EXPECT_THAT(table, HasSubstr("serial_levels,1.35,1.44,0.938×"));
+  EXPECT_THAT(table, HasSubstr(",none,100 to 100"));
+  const std::string curve = file_text(out() / "trajectory_c4_n2969_fixture-1_gpu.dat");
+  EXPECT_THAT(curve, HasSubstr("30 0.026 0.02574 0.02626 \"†\""));
+  EXPECT_THAT(curve, HasSubstr("70 0.034 0.03366 0.03434 \"↑\""));
+  EXPECT_THAT(curve, HasSubstr("# at rest\n106 0.032"));
+  EXPECT_THAT(file_text(out() / "trajectory_c4_n2969_fixture-1_memory.dat"), HasSubstr("60 100 100 100 \"\"\n70 120"));
 }
 
 TEST_F(Page, SameInputSameBytes) {

@@ -61,7 +61,13 @@ TEST_F(Passes, ForcesFromEitherFormAreThoseOfTheOracle) {
 }
 
 TEST_F(Passes, FactsFoundOnTheDeviceAreThoseOfTheHost) {
-  for (const SmallPacking& p : small_packings()) {
+  small_packings_detail::Random random(13);
+  std::vector<SmallPacking> packings = small_packings();
+  packings.push_back({"more_than_the_sample", small_packings_detail::mixture(2500, 30, random)});
+  packings.push_back(packings.back());
+  packings.back().balls[7].x = -1000;
+  ASSERT_TRUE(facts_of(packings.back().balls).bulk);
+  for (const SmallPacking& p : packings) {
     SCOPED_TRACE(p.name);
     Stream stream(Place::device);
     Buffer<Ball> balls(p.balls.size(), Place::device, stream);
@@ -75,6 +81,12 @@ TEST_F(Passes, FactsFoundOnTheDeviceAreThoseOfTheHost) {
       EXPECT_EQ(found.surfaces.lower[axis], expected.surfaces.lower[axis]);
       EXPECT_EQ(found.surfaces.upper[axis], expected.surfaces.upper[axis]);
     }
+    ASSERT_EQ(found.bulk.has_value(), expected.bulk.has_value());
+    if (expected.bulk)
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_EQ(found.bulk->lower[axis], expected.bulk->lower[axis]);
+        EXPECT_EQ(found.bulk->upper[axis], expected.bulk->upper[axis]);
+      }
     EXPECT_EQ(found.rmin, expected.rmin);
     EXPECT_EQ(found.rmax, expected.rmax);
     EXPECT_NEAR(found.ravg, expected.ravg, 1e-14 * expected.ravg);

@@ -54,6 +54,7 @@ TEST(TiledPacking, FactsAndHashAreThoseOfItsBalls) {
     EXPECT_EQ(said.rmax, found.rmax);
     EXPECT_NEAR(said.ravg, found.ravg, 1e-12 * found.ravg);
     EXPECT_EQ(said.radii, found.radii);
+    EXPECT_EQ(said.bulk.has_value(), found.bulk.has_value());
     EXPECT_EQ(packing.hash(), packing_hash(balls));
   }
 }

@@ -195,5 +195,27 @@ TEST(MutantsOfTheTree, EachStillChangesItsFile) {
   EXPECT_GE(mutants, 18);
 }
 
+// ---- scripts/levels_proof ----
+
+TEST(LevelsProof, ExitCodeSaysWhetherTheBarIsMet) {
+  struct Case {
+    const char *last_line, *leaves;
+    int code;
+  };
+  for (const Case& c : {Case{"worst of 28: 1.043, bar 1.10: met", "0", 0}, Case{"worst of 28: 1.152, bar 1.10: missed", "0", 1},
+                        Case{"", "5", 5}, Case{"worst of 3: 1.043, bar 1.10: met", "130", 130}}) {
+    const TemporaryFolder folder;
+    write_script(folder.path() / "bench_levels", "echo \"$@\"\necho '" + std::string(c.last_line) + "'\nexit " + c.leaves + "\n");
+    write_text(folder.path() / "out/levels_proof.json", "of an earlier run");
+    const Outcome o = run_program((kScripts / "levels_proof").string() + " " + (folder.path() / "bench_levels").string() + " " +
+                                  (folder.path() / "out").string() + " --seconds 60");
+    EXPECT_EQ(o.code, c.code) << c.last_line;
+    EXPECT_THAT(o.out, HasSubstr("--out " + (folder.path() / "out/levels_proof.json").string() + " --seconds 60"));
+    EXPECT_THAT(file_text(folder.path() / "out/levels_proof.txt"), HasSubstr(c.last_line));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out/levels_proof.json")) << "an earlier run's result was left";
+  }
+  EXPECT_EQ(run_program((kScripts / "levels_proof").string()).code, 2);
+}
+
 }  // namespace
 }  // namespace touchstone::testing

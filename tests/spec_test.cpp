@@ -34,12 +34,16 @@ TEST(Spec, TextRoundTrip) {
   EXPECT_EQ(spec.kind, PackingKind::loose);
   EXPECT_DOUBLE_EQ(spec.rmin, 0.001);
   EXPECT_EQ(to_string(parse_spec(to_string(spec))), to_string(spec));
+  const PackingSpec frame = parse_spec("n=500,frame=7");
+  EXPECT_EQ(to_string(parse_spec(to_string(frame))), to_string(frame));
+  EXPECT_EQ(to_string(settled_of(frame)), to_string(parse_spec("n=500"))) << "caches keep this text: it must not change";
 }
 
 TEST(Spec, NamesAreShortAndUnique) {
   EXPECT_EQ(name_of(parse_spec("n=20653")), "c4_n20653");
   EXPECT_EQ(name_of(parse_spec("n=500,c=2,seed=2,base=10x10")), "c2_n500_s2_b10x10");
   EXPECT_EQ(name_of(parse_spec("n=500,kind=loose,base=cube")), "c4_n500_cube_loose60");
+  EXPECT_EQ(name_of(parse_spec("n=500,frame=7")), "c4_n500_f007");
   std::set<std::string> names;
   const char* kTexts[] = {"n=500",
                           "n=501",
@@ -50,7 +54,9 @@ TEST(Spec, NamesAreShortAndUnique) {
                           "base=20x10,n=500",
                           "n=500,rmin_cm=1,c=1",
                           "kind=loose,n=500",
-                          "kind=loose,phi=0.601,n=500"};
+                          "kind=loose,phi=0.601,n=500",
+                          "n=500,frame=0",
+                          "n=500,frame=10"};
   for (const char* text : kTexts) names.insert(name_of(parse_spec(text)));
   EXPECT_EQ(names.size(), std::size(kTexts));
 }
@@ -69,6 +75,7 @@ TEST(Spec, TiledIsAWordOfItsOwnAndOldNamesStay) {
   EXPECT_EQ(message("tiled=2147483648"),
             "spec: tiled=2147483648: 34359738368 bytes of balls; ball numbers are 32-bit, so at most 2147483647 balls");
   EXPECT_NE(message("tiled=4000000000").find("64000000000 bytes"), std::string::npos);
+  EXPECT_NE(message("n=500,frame=3,tiled=9").find("give one of the two"), std::string::npos);
   EXPECT_NE(message("tiled=-1").find("must be a number from 0"), std::string::npos);
 }
 
@@ -79,7 +86,9 @@ TEST(Spec, MistakesNameKeyAndRemedy) {
   EXPECT_EQ(message("c=nan"), "spec: c=nan: must be a number from 1 to 10000");
   EXPECT_EQ(message("n=5x"), "spec: n=5x: must be a number from 1 to 2147483647");
   EXPECT_EQ(message("mix=gravel"), "spec: mix=gravel: must be one of table1, uniform, bidisperse, power_law, scc30");
-  EXPECT_EQ(message("N=5"), "spec: N=5: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, tiled");
+  EXPECT_EQ(message("N=5"), "spec: N=5: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, tiled");
+  EXPECT_EQ(message("n=500,frame=101"), "spec: frame=101: must be a number from 0 to 100");
+  EXPECT_NE(message("n=500,kind=loose,frame=3").find("loose packings are not settled"), std::string::npos);
   EXPECT_EQ(message("n=5,n=6"), "spec: n: given twice");
   EXPECT_EQ(message("n=5,"), "accepted");
   EXPECT_EQ(message("n=5,c"), "spec: c: must be key=value");

@@ -14,9 +14,11 @@
 #include "bench/report/library.h"
 #include "bench/report/marks.h"
 #include "bench/report/scale.h"
+#include "bench/report/polydispersity.h"
 #include "bench/report/study_tables.h"
 #include "bench/report/tables.h"
 #include "bench/report/theory_line.h"
+#include "bench/report/trajectory.h"
 #include "touchstone/error.h"
 
 namespace touchstone::report {
@@ -178,6 +180,31 @@ Section fairness(const Library& l) {
   return s;
 }
 
+Section trajectory(const Library& l) {
+  Section s{"trajectory", "Balls on the move: frames of a settling", {}, {}, l.missing("trajectory")};
+  s.text = {
+      "A bed settles, and every detector was built for the first frame alone: cells, levels and capacities are that frame's. "
+      "What "
+      "does time do while balls move and contacts close, and is anything ever too small? The mean over the frames is what a "
+      "simulation pays; beside it stands the bed at rest."};
+  for (const Device& d : l.of("trajectory")) {
+    for (Table& t : trajectory_tables(d)) s.exhibits.push_back(l.exhibit(std::move(t), d));
+    for (Figure& f : trajectory_figures(d)) s.exhibits.push_back(l.exhibit(std::move(f), d));
+    s.exhibits.push_back(l.all_cases(d));
+  }
+  return s;
+}
+
+Section polydispersity(const Library& l) {
+  Section s{"polydispersity", "Spread of radii: C = 1 to 100", {}, {}, l.missing("polydispersity")};
+  for (const Device& d : l.of("polydispersity")) {
+    if (Figure f = polydispersity_figure(d); !f.panels.empty()) s.exhibits.push_back(l.exhibit(std::move(f), d));
+    if (Table t = polydispersity_table(d); !t.rows.empty()) s.exhibits.push_back(l.exhibit(std::move(t), d));
+    s.exhibits.push_back(l.all_cases(d));
+  }
+  return s;
+}
+
 Section machines(const Library& l) {
   Section s{"machines", "Machines, and how each number was taken", {}, {}, {}};
   for (const Mark& m : all_marks()) s.text.push_back(m.sign + " " + m.meaning);
@@ -218,6 +245,8 @@ Contents contents(const Sources& sources) {
                        ablations(l),
                        fairness(l),
                        scale(l),
+                       trajectory(l),
+                       polydispersity(l),
                        machines(l)};
   } catch (const claims::Missing& m) {  // a time or a length of 0, which no run leaves behind
     throw InputError(fmt::format("{}: {}", sources.results.string(), m.what));

@@ -12,10 +12,12 @@ std::vector<Case> plan_figure6(Profile profile);  // sweeps.cpp
 std::vector<Case> plan_figure7(Profile profile);
 std::vector<Case> plan_figure9(Profile profile);
 std::vector<Case> plan_table3(Profile profile);
-std::vector<Case> plan_equations(Profile profile);  // equations.cpp
-std::vector<Case> plan_ablation(Profile profile);   // ablation.cpp
-std::vector<Case> plan_fairness(Profile profile);   // fairness.cpp
-std::vector<Case> plan_scale(Profile profile);      // scale.cpp
+std::vector<Case> plan_equations(Profile profile);       // equations.cpp
+std::vector<Case> plan_ablation(Profile profile);        // ablation.cpp
+std::vector<Case> plan_fairness(Profile profile);        // fairness.cpp
+std::vector<Case> plan_trajectory(Profile profile);      // trajectory.cpp
+std::vector<Case> plan_polydispersity(Profile profile);  // polydispersity.cpp
+std::vector<Case> plan_scale(Profile profile);           // scale.cpp
 
 // Balls of the studies of one size (the paper: 50,000), and as many as the default profile can settle.
 inline std::int32_t study_size(Profile profile) { return profile == Profile::full ? 50000 : 6476; }

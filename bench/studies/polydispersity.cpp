@@ -1,0 +1,43 @@
+// How the time a ball depends on the spread of radii: C = rmax/rmin from 1 to 100, three distributions.
+#include "bench/detectors.h"
+#include "bench/studies/studies.h"
+
+namespace touchstone {
+namespace {
+
+constexpr double kSeconds = 1.0;  // of samples a case: what is slow at large C has fewer of them, and says so
+constexpr double kFactors[] = {1, 2, 3, 4, 5, 6, 10, 20, 50, 100};
+constexpr double kMostSettled = 6;  // Figure 6's beds
+
+std::vector<PackingSpec> packings(Profile profile) {
+  const std::int32_t n = study_size(profile);
+  std::vector<PackingSpec> specs;
+  for (const Mix mix : {Mix::table1, Mix::uniform, Mix::power_law})
+    for (const double factor : kFactors)
+      if (factor > 1 || mix == Mix::table1) specs.push_back(loose(mix, n, factor));  // at C = 1 all mixes are the same balls
+  if (profile == Profile::full)
+    for (const double factor : kFactors)
+      if (factor <= kMostSettled) specs.push_back(bed(n, factor));
+  // Packings of 10^6 balls go here.
+  return specs;
+}
+
+}  // namespace
+
+// Cells and threads are tuned for every C and mix by itself, since a detector that is to be slow at C = 100 should be so at its
+// best; the packing that is tuned on is smaller, which bounds what that costs.
+std::vector<Case> plan_polydispersity(Profile profile) {
+  std::vector<Case> cases;
+  for (const PackingSpec& spec : packings(profile))
+    for (const DetectorInfo* info : all_detectors()) {
+      if (info->name == "all_pairs") continue;  // quadratic: it knows no radii
+      Case c = case_of(Protocol::best, info, spec);
+      c.output = OutputForm::pairs;
+      if (on_gpu(*info)) c.launch = Launch::graph;
+      c.budget_s = kSeconds;
+      cases.push_back(c);
+    }
+  return cases;
+}
+
+}  // namespace touchstone
