@@ -141,7 +141,8 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const L
   const auto query = [&](double radius, const RadiusClass& level, double share) {
     const double grown = growth_of_cells(facts, level, cell_x, cell_yz, cells_a_ball);
     const double x = grown * cell_x * level.radius, yz = grown * cell_yz * level.radius;
-    const bool own = share<1, several = level.radius> facts.rmin;
+    const bool own = share < 1;
+    const bool several = level.radius > facts.rmin;
     return instructions(expected_query(facts, radius, level.radius, level.balls, x, yz, own), own, several);
   };
 

@@ -99,12 +99,11 @@ float inverse(float lower, float upper) { return upper > lower ? kSide / (upper 
 
 }  // namespace
 
-PartedBalls::PartedBalls(const PackingFacts& facts, Stream& stream)
-    : y0_(facts.centres.lower[1]),
-      z0_(facts.centres.lower[2]),
-      inv_y_(inverse(facts.centres.lower[1], facts.centres.upper[1])),
-      inv_z_(inverse(facts.centres.lower[2], facts.centres.upper[2])),
-      fill_(kRegions + 1, Place::device, stream) {}
+PartedBalls::PartedBalls(const PackingFacts& facts, Stream& stream) : fill_(kRegions + 1, Place::device, stream) {
+  const Box box = facts.bulk.value_or(facts.centres);
+  y0_ = box.lower[1], z0_ = box.lower[2];
+  inv_y_ = inverse(box.lower[1], box.upper[1]), inv_z_ = inverse(box.lower[2], box.upper[2]);
+}
 
 BallSource PartedBalls::part(BallsView in, Room room, Stream& stream) {
   const std::int64_t needed = (sizeof(Ball) + sizeof(std::int32_t)) * std::int64_t{in.n};

@@ -184,8 +184,7 @@ Section trajectory(const Library& l) {
   Section s{"trajectory", "Balls on the move: frames of a settling", {}, {}, l.missing("trajectory")};
   s.text = {
       "A bed settles, and every detector was built for the first frame alone: cells, levels and capacities are that frame's. "
-      "What "
-      "does time do while balls move and contacts close, and is anything ever too small? The mean over the frames is what a "
+      "What does time do while balls move and contacts close, and is anything ever too small? The mean over the frames is what a "
       "simulation pays; beside it stands the bed at rest."};
   for (const Device& d : l.of("trajectory")) {
     for (Table& t : trajectory_tables(d)) s.exhibits.push_back(l.exhibit(std::move(t), d));

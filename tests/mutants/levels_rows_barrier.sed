@@ -1,5 +1,5 @@
 # what: no barrier between the rows' sums and their places
-# file: kernels/levels.cu
+# file: kernels/sorted_levels.cu
 # build: thread
 # detector: levels
 /if (lane == kWarpSize - 1) before_row\[warp\] = balls;/{n;s/__syncthreads();//}
