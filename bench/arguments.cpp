@@ -40,4 +40,11 @@ Packing packing_argument(const std::string& file, const std::string& spec, std::
   return packing;
 }
 
+PackingContext context_argument(const std::string& file, const std::string& spec, std::optional<std::int64_t> timestep) {
+  if (spec.empty()) return PackingContext(packing_argument(file, spec, timestep));
+  const PackingSpec parsed = parse_spec(spec);
+  if (parsed.tiled == 0 || !file.empty()) return PackingContext(packing_argument(file, spec, timestep));
+  return PackingContext(TiledPacking(parsed, packing_argument("", to_string(base_of(parsed)), timestep)));
+}
+
 }  // namespace touchstone

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/case_runner.h"
 #include "bench/timing.h"
 #include "datasets/formats.h"
 #include "touchstone/packing.h"
@@ -20,6 +21,9 @@ PackingFile packing_file_argument(const std::filesystem::path& file, std::option
 // The packing of --packing FILE (and --timestep) or of --spec SPEC, exactly one of which is not empty; made if it must be, and
 // validated.
 Packing packing_argument(const std::string& file, const std::string& spec, std::optional<std::int64_t> timestep);
+
+// The same with what cases on it share; the spec may be tiled.
+PackingContext context_argument(const std::string& file, const std::string& spec, std::optional<std::int64_t> timestep);
 
 // What help texts say --packing takes, and --timestep.
 inline constexpr const char* kPackingHelp = "a packing file: .balls, .xyz, .csv, LAMMPS dump or data (atom_style sphere)";

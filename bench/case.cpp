@@ -116,7 +116,7 @@ DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning&
   return p;
 }
 
-Json identity_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning) {
+Json identity_json(const Case& c, const PackingLabel& packing, const PackingFacts& facts, const Tuning& tuning) {
   const DetectorInfo& info = *c.detector;
   const bool gpu = on_gpu(info);
   Json j;
@@ -127,13 +127,14 @@ Json identity_json(const Case& c, const Packing& packing, const PackingFacts& fa
   j["ablation"] = info.ablation.empty() ? Json(nullptr) : Json(info.ablation);
   j["place"] = gpu ? "gpu" : "cpu";
   j["packing"] = packing.name;
-  j["packing_hash"] = hex64(packing_hash(packing.balls));
+  j["packing_hash"] = hex64(packing.hash);
   j["seed"] = packing.seed;
   j["kind"] = to_string(c.packing.kind);
   j["mix"] = to_string(c.packing.mix);
   j["base_cm"] = {round_cm(c.packing.base_x), round_cm(c.packing.base_y)};  // [0, 0]: a cube
   j["volume_cm3"] = volume_cm3(facts);
   j["n"] = facts.n;
+  if (c.packing.tiled != 0) j["tile_balls"] = c.packing.n;
   if (c.packing.frame >= 0) j["frame"] = c.packing.frame;
   j["cell_factor"] = c.packing.cell_factor;
   j["rmin_cm"] = round_cm(facts.rmin);
@@ -150,7 +151,8 @@ Json identity_json(const Case& c, const Packing& packing, const PackingFacts& fa
   return j;
 }
 
-Json case_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning, const Measurement& m) {
+Json case_json(const Case& c, const PackingLabel& packing, const PackingFacts& facts, const Tuning& tuning,
+               const Measurement& m) {
   Json j = identity_json(c, packing, facts, tuning);
   const Quartiles q = quartiles(m.samples_us);
   j["cell_cm"] = m.params.cell > 0 ? Json(round_cm(m.params.cell)) : Json(nullptr);
@@ -175,6 +177,7 @@ Json case_json(const Case& c, const Packing& packing, const PackingFacts& facts,
   j["q3_us"] = q.q3;
   j["sample_count"] = m.samples_us.size();
   j["bytes_peak"] = m.bytes_peak;
+  j["bytes_workspace"] = m.bytes_workspace;
   if (!m.kernels.empty()) j["kernels"] = kernels_json(m.kernels);
   if (!m.phases_us.empty()) {
     j["phases_us"] = Json::object();

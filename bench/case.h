@@ -67,6 +67,7 @@ struct Case {
   DetectorParams given = {};  // Protocol::given
   bool phases = false;        // record phase times too (GPU, stream)
   double budget_s = 0;        // most time for the samples; 0: the profile's
+  std::string left_out = {};  // not "": not run, and the record's skipped cases say why; "code: message"
 
   // "table2/best/multi_cell_bucket/staged/c4_n2969/ball_lists/graph/hot"; CPU cases end after the output. Axes that are
   // not at their default follow: "…/cell_0.75cm/64x128/sorted/blind/force".
@@ -82,6 +83,12 @@ DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning&
 // The same for given facts: the cell a tuning means.
 double cell_of(const Tuning& tuning, const PackingFacts& facts);
 
+// What a record calls a packing.
+struct PackingLabel {
+  std::string name;
+  std::uint64_t hash = 0, seed = 0;  // packing_hash
+};
+
 // What was measured, as the record's `case` wants it.
 struct Measurement {
   DetectorParams params;  // as used
@@ -90,7 +97,7 @@ struct Measurement {
   std::string verified_by;
   int retries = 0;                   // Knowledge::first_frame: on this frame, from what frame 0 had needed
   std::vector<std::string> regrown;  // the same, what was too small: "cell", "row", "list"
-  std::int64_t bytes_peak = 0;
+  std::int64_t bytes_peak = 0, bytes_workspace = 0;  // input, workspace and list as allocated; the workspace alone
   std::vector<double> samples_us;
   std::vector<KernelFacts> kernels;
   std::vector<std::pair<std::string, double>> phases_us;  // medians, in order
@@ -99,9 +106,9 @@ struct Measurement {
 };
 
 // The keys that say which case this is, before anything is measured (also of a skipped case).
-Json identity_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning);
+Json identity_json(const Case& c, const PackingLabel& packing, const PackingFacts& facts, const Tuning& tuning);
 
 // The whole `case` object of touchstone/1.
-Json case_json(const Case& c, const Packing& packing, const PackingFacts& facts, const Tuning& tuning, const Measurement& m);
+Json case_json(const Case& c, const PackingLabel& packing, const PackingFacts& facts, const Tuning& tuning, const Measurement& m);
 
 }  // namespace touchstone

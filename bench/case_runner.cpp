@@ -6,11 +6,14 @@
 
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
+#include "bench/memory_plan.h"
 #include "bench/nvml.h"
+#include "reference_cpu/count_and_hash.h"
 #include "reference_cpu/force_pass.h"
 #if defined(TOUCHSTONE_HAVE_CUDA)
 #include "kernels/device_facts.h"
 #include "kernels/force_pass.h"
+#include "kernels/tile.h"
 #endif
 
 namespace touchstone {
@@ -36,7 +39,57 @@ void add_forces_where_they_lie(BallsView in, const ContactsView& list, Force* fo
 }
 #endif
 
+constexpr std::int32_t kMostBallsComparedTwice = 1'000'000;
+
 }  // namespace
+
+PackingContext::PackingContext(TiledPacking t)
+    : packing{t.name(), {}, t.seed()}, facts(t.facts()), tiled(std::make_unique<const TiledPacking>(std::move(t))) {}
+
+const Reference& PackingContext::reference() {
+  if (reference_) return *reference_;
+  if (tiled && facts.n > kMostBallsCompared) {
+    require_host_memory("the reference",
+                        std::int64_t{facts.n} * static_cast<std::int64_t>(sizeof(Ball)) + count_and_hash_bytes(facts));
+    reference_ = std::make_unique<Reference>(make_reference(tiled->in_order(Order::sorted), facts));
+  } else {
+    reference_ = std::make_unique<Reference>(make_reference(tiled ? ordered(Order::sorted) : packing.balls, facts));
+  }
+  return *reference_;
+}
+
+std::span<const Ball> PackingContext::ordered(Order order) {
+  const auto [at, fresh] = orders_.try_emplace(order);
+  if (fresh) at->second = tiled ? OrderedBalls{tiled->in_order(order), {}} : in_order(packing.balls, facts, order);
+  return at->second.balls;
+}
+
+Numbering PackingContext::numbering(Order order) {
+  if (tiled) return tiled->numbering(order);
+  ordered(order);
+  return numbering_of(orders_.at(order));
+}
+
+PackingLabel PackingContext::label() {
+  if (hash_ == 0) hash_ = tiled ? tiled->hash() : packing_hash(packing.balls);
+  return {packing.name, hash_, packing.seed};
+}
+
+std::int64_t PackingContext::capacity(OutputForm form) const {
+  return tiled && form == OutputForm::pairs ? tiled->expected_contacts() : 0;
+}
+
+Buffer<Ball> PackingContext::resident(Order order, Place place, Stream& stream) {
+  Buffer<Ball> balls(static_cast<std::size_t>(facts.n), place, stream);
+#if defined(TOUCHSTONE_HAVE_CUDA)
+  if (tiled && place == Place::device) {
+    tile(tiled->base(), tiled->tiling(), tiled->numbering(order), balls, stream);
+    return balls;
+  }
+#endif
+  copy_async(balls, ordered(order), stream);
+  return balls;
+}
 
 const FrameFacts& PackingContext::frame() {
   if (!first_frame) throw std::logic_error(packing.name + " is no frame of a settling, or its first frame is not there");
@@ -60,14 +113,34 @@ CaseRunner::CaseRunner(const Case& c, const Tuning& tuning, PackingContext& cont
 }
 CaseRunner::~CaseRunner() = default;
 
-std::string CaseRunner::mismatch_now() {
+// Pairs are compared once more after the timing where that is quick; else the timed list by count and hash, having been compared
+// before.
+std::string CaseRunner::mismatch_now(bool timed) {
   const Detection& d = resident_->detection;
-  const OrderedBalls& ordered = context_.ordered(case_.order);
-  if (case_.detector->finds == Finds::contacts)
-    return mismatch(d, context_.reference(), resident_->stream, ordered.number, &measurement_.contact_hash);
+  const Numbering number = context_.numbering(case_.order);
+  if (case_.detector->finds == Finds::contacts) {
+    const auto compare = timed && context_.facts.n > kMostBallsComparedTwice ? hash_mismatch : mismatch;
+    return compare(d, context_.reference(), resident_->stream, number, &measurement_.contact_hash);
+  }
   measurement_.contact_hash = context_.reference().hash;  // there is no list to take it from: the count is what is verified
-  return count_mismatch(d, context_.reference(), case_.detector->finds, context_.packing.balls, context_.facts,
-                        d.detector->params().cell);
+  const std::span<const Ball> balls = context_.tiled ? context_.ordered(Order::sorted) : context_.packing.balls;
+  return count_mismatch(d, context_.reference(), case_.detector->finds, balls, context_.facts, d.detector->params().cell);
+}
+
+// What does not fit is refused before anything is allocated, and before the reference is asked for.
+Detection CaseRunner::detect_first(Stream& stream) {
+  const DetectorInfo& info = *case_.detector;
+  const PackingFacts& facts = context_.facts;
+  const DetectorParams params = params_of(case_, facts, tuning_);
+  std::int64_t capacity = context_.capacity(case_.output);
+  const MemoryNeed need = memory_need(info, facts.n, facts, params, case_.output, capacity);
+  require_fit(info.label(), need, info.place, free_memory(info.place));
+  context_.reference();
+  if (capacity == 0) capacity = default_capacity(case_.output, facts);
+  Detection d;
+  d.balls = context_.resident(case_.order, info.place, stream);
+  complete_detection(d, info, facts, params, case_.output, stream, capacity);
+  return d;
 }
 
 // Built for frame 0 and as large as that frame needs; then the balls are where this frame has them, and whatever is too small now
@@ -93,21 +166,21 @@ void CaseRunner::detect_moved() {
 
 void CaseRunner::prepare() {
   const DetectorInfo& info = *case_.detector;
-  const Reference& reference = context_.reference();
   resident_ = std::make_unique<Resident>(info.place);
   Resident& r = *resident_;
   if (case_.knowledge == Knowledge::first_frame)
     detect_moved();
   else
-    r.detection = detect_completely(info, context_.ordered(case_.order).balls, context_.facts,
-                                    params_of(case_, context_.facts, tuning_), case_.output, r.stream);
+    r.detection = detect_first(r.stream);
   if (case_.packing.frame >= 0) measurement_.frame = context_.frame();
-  if (const std::string difference = mismatch_now(); !difference.empty()) throw Mismatch(difference, info.label());
+  const Reference& reference = context_.reference();
+  if (const std::string difference = mismatch_now(false); !difference.empty()) throw Mismatch(difference, info.label());
   measurement_.params = r.detection.detector->params();
   measurement_.report = r.detection.report;
   measurement_.verified_by = info.finds == Finds::contacts ? reference.by : "count";
   measurement_.retries = r.detection.retries;
   measurement_.bytes_peak = r.detection.bytes();
+  measurement_.bytes_workspace = r.detection.detector->workspace_bytes();
   measurement_.kernels = r.detection.detector->kernels(case_.output);
 
   Detection& d = r.detection;
@@ -152,7 +225,7 @@ void CaseRunner::finish() {
   // The timed runs must have done the work that was verified: what the last one wrote is compared again.
   Detection& d = resident_->detection;
   d.report = d.detector->report(d.output->view(), resident_->stream);
-  const std::string difference = d.report.complete() ? mismatch_now() : d.report.text();
+  const std::string difference = d.report.complete() ? mismatch_now(true) : d.report.text();
   if (!difference.empty()) throw Mismatch("after timing: " + difference, case_.detector->label());
   if (case_.phases && on_gpu(*case_.detector))
     measurement_.phases_us = phase_times_us(resident_->work, resident_->stream, kPhaseSamples);

@@ -8,6 +8,7 @@
 
 #include "bench/case.h"
 #include "bench/study.h"
+#include "bench/tiled.h"
 #include "bench/verify.h"
 
 namespace touchstone {
@@ -16,26 +17,31 @@ namespace touchstone {
 class PackingContext {
  public:
   explicit PackingContext(Packing p) : packing(std::move(p)), facts(facts_of(packing.balls)) {}
-  const Reference& reference() {
-    if (!reference_) reference_ = std::make_unique<Reference>(make_reference(packing.balls, facts));
-    return *reference_;
-  }
-  const OrderedBalls& ordered(Order order) {
-    const auto [at, fresh] = orders_.try_emplace(order);
-    if (fresh) at->second = in_order(packing.balls, facts, order);
-    return at->second;
-  }
+  // `packing` then has a name and a seed but no balls: they are made where they are used.
+  explicit PackingContext(TiledPacking t);
+
+  const Reference& reference();                // of a tiled packing beyond kMostBallsCompared: its balls exist meanwhile only
+  std::span<const Ball> ordered(Order order);  // on the host; kept
+  Numbering numbering(Order order);            // of ordered()'s balls; a table lies on the host
+  PackingLabel label();
+  // A guess at the pair list's size; 0: default_capacity.
+  std::int64_t capacity(OutputForm form) const;
+  // The balls where the detector runs.
+  Buffer<Ball> resident(Order order, Place place, Stream& stream);
+
   // How this frame differs from the first. Throws std::logic_error where there is no first.
   const FrameFacts& frame();
 
   Packing packing;
   PackingFacts facts;
+  std::unique_ptr<const TiledPacking> tiled;    // null for others
   const PackingContext* first_frame = nullptr;  // of the settling that this packing is a frame of; itself for frame 0
 
  private:
   std::unique_ptr<Reference> reference_;
   std::optional<FrameFacts> frame_;
   std::map<Order, OrderedBalls> orders_;
+  std::uint64_t hash_ = 0;
 };
 
 // A contact set that differs from the reference: no time is taken.
@@ -67,7 +73,8 @@ class CaseRunner {
   void prepare();
   void detect_moved();  // prepare()'s part for Knowledge::first_frame
   void finish();
-  std::string mismatch_now();
+  Detection detect_first(Stream& stream);
+  std::string mismatch_now(bool timed);
   struct Resident;  // detector, buffers, sampler
   Case case_;
   Tuning tuning_;

@@ -10,6 +10,7 @@
 #include "bench/commands.h"
 #include "bench/detectors.h"
 #include "bench/interrupt.h"
+#include "bench/memory_plan.h"
 #include "bench/output_folder.h"
 #include "bench/tune_file.h"
 #include "datasets/files.h"
@@ -99,13 +100,16 @@ int detect(const DetectOptions& o) {
   require_taken(o, info);
   if (!o.contacts.empty()) require_writable_file(o.contacts);
   catch_interrupts();
-  PackingContext context(packing_argument(o.packing, o.spec, o.timestep));
+  PackingContext context = context_argument(o.packing, o.spec, o.timestep);
   const PackingFacts& f = context.facts;
   fmt::print("packing                    {}: {} balls, radii {:.4g} to {:.4g} cm (mean {:.4g}), hash {}\n", context.packing.name,
-             f.n, 100 * f.rmin, 100 * f.rmax, 100 * f.ravg, hex64(packing_hash(context.packing.balls)));
+             f.n, 100 * f.rmin, 100 * f.rmax, 100 * f.ravg, hex64(context.label().hash));
   DetectorParams params = o.params;
   params.cell = 1e-2 * o.cell_cm;
   if (config) params = params_of_config(*config, info, output, launch, f);
+  const std::int64_t free = free_memory(info.place);
+  fmt::print("memory                     {}{}\n", memory_need(info, f.n, f, params, output, context.capacity(output)).text(),
+             free < 0 ? "" : fmt::format(", {:.3f} GB free", 1e-9 * static_cast<double>(free)));
   const Measurement m = measure(info, params, output, launch, cache, context);
   fmt::print("contacts                   {}, hash {}, equal to {}\n", m.report.contacts, hex64(m.contact_hash), m.verified_by);
   if (m.params.cell > 0) fmt::print("cell                       {:.4g} cm\n", 100 * m.params.cell);
@@ -113,7 +117,9 @@ int detect(const DetectOptions& o) {
     fmt::print("threads                    {} broad, {} narrow\n", m.params.threads_broad, m.params.threads_narrow);
   print_times(info.label(), m);
   const DetectorInfo& serial = find_detector("serial_levels");
-  if (&info != &serial) {
+  if (&info != &serial && f.n > kMostBallsCompared) {
+    fmt::print("serial_levels (reference)  not timed beyond {} balls\n", kMostBallsCompared);
+  } else if (&info != &serial) {
     const Measurement base = measure(serial, {}, output, Launch::stream, Cache::hot, context);
     print_times("serial_levels (reference)", base);
     fmt::print("ratio                      {:.2f} (serial_levels / {})\n",
@@ -133,7 +139,7 @@ void add_detect_command(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("detect", "run one detector on one packing, check it, time it");
   command->add_option("--packing", o->packing, kPackingHelp);
   command->add_option("--timestep", o->timestep, kTimestepHelp);
-  command->add_option("--spec", o->spec, "a packing to make, such as n=20653,c=4");
+  command->add_option("--spec", o->spec, "a packing to make, such as n=20653,c=4; n=50000,c=1,tiled=10000000 repeats one");
   auto* config = command->add_option("--config", o->config, "detector, cell and threads as `touchstone tune --out` wrote them");
   command->add_option("--detector", o->detector, "name or name/layout (see `touchstone list`)")
       ->capture_default_str()

@@ -57,13 +57,20 @@ OrderedBalls in_order(std::span<const Ball> balls, const PackingFacts& facts, Or
   return result;
 }
 
-ContactList renumbered(ContactList contacts, std::span<const std::int32_t> number) {
-  if (number.empty()) return contacts;
-  for (Pair& pair : contacts.pairs) {
-    const std::int32_t i = number[pair.i], j = number[pair.j];
-    pair = {std::min(i, j), std::max(i, j)};
+Numbering numbering_of(const OrderedBalls& ordered) {
+  Numbering number;
+  if (!ordered.number.empty()) number.table = ordered.number.data();
+  return number;
+}
+
+ContactList renumbered(ContactList contacts, const Numbering& number, std::int32_t n) {
+  if (number.is_identity()) return contacts;
+#pragma omp parallel for
+  for (std::size_t k = 0; k < contacts.pairs.size(); ++k) {
+    const std::int32_t i = number(contacts.pairs[k].i), j = number(contacts.pairs[k].j);
+    contacts.pairs[k] = {std::min(i, j), std::max(i, j)};
   }
-  std::sort(contacts.pairs.begin(), contacts.pairs.end());
+  sort_pairs(contacts.pairs, n);
   return contacts;
 }
 

@@ -13,7 +13,7 @@ std::vector<Case> plan(const RunOptions& options) { return plan_study(options.st
 
 int print_list(const RunOptions& options) {
   const std::vector<Case> cases = plan(options);
-  for (const Case& c : cases) fmt::print("{}\n", c.name());
+  for (const Case& c : cases) fmt::print("{}{}{}\n", c.name(), c.left_out.empty() ? "" : "  left out, ", c.left_out);
   return cases.empty() ? kExitNothingRan : kExitOk;
 }
 

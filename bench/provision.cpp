@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "bench/expected.h"
@@ -15,10 +16,10 @@ namespace {
 constexpr double kTuningSeconds = 2.5;  // of one detector and form, on a typical machine
 
 bool is_made(const std::filesystem::path& folder, const PackingSpec& spec) {
-  return std::filesystem::exists(folder / cache_file_of(spec));
+  return std::filesystem::exists(folder / cache_file_of(base_of(spec)));
 }
 
-bool needs_tuning(const Case& c) { return c.protocol == Protocol::best && tunable(*c.detector); }
+bool needs_tuning(const Case& c) { return c.left_out.empty() && c.protocol == Protocol::best && tunable(*c.detector); }
 
 // One tuning for each detector, form of output and packing it is tuned on.
 std::string name_of_tuning(const Case& c, const PackingSpec& on) {
@@ -41,7 +42,8 @@ Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& pack
   const std::filesystem::path folder = packing_folder.empty() ? source_packing_folder() : packing_folder;
   Needs needs;
   std::set<std::string> packings, tunings;
-  const auto add = [&](const PackingSpec& spec) {
+  const auto add = [&](const PackingSpec& of_case) {
+    const PackingSpec spec = base_of(of_case);
     if (packings.insert(cache_file_of(spec)).second) needs.packings.push_back({spec, is_made(folder, spec)});
   };
   for (const Case& c : cases) add(c.packing);
@@ -80,7 +82,9 @@ Tuning Provision::tuning(const Case& c) const { return needs_tuning(c) ? tunings
 std::vector<std::string> Provision::objections() const {
   std::vector<std::string> all;
   for (const auto& [name, context] : packings_)
-    if (std::string why = expected_objection(name, packing_hash(context->packing.balls)); !why.empty())
+    if (std::string why = context->tiled ? expected_objection(context->tiled->base_name(), context->tiled->base_hash())
+                                         : expected_objection(name, context->label().hash);
+        !why.empty() && std::find(all.begin(), all.end(), why) == all.end())
       all.push_back(std::move(why));
   return all;
 }
@@ -94,7 +98,9 @@ PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
     eta.show(done_ + share * seconds, fmt::format("packing {}: {} {:.0f} %", name_of(spec), what, 100 * share));
   };
   stop_if_interrupted();
-  context = std::make_unique<PackingContext>(load_or_make(spec, folder_, progress));
+  Packing made = load_or_make(base_of(spec), folder_, progress);
+  context = spec.tiled != 0 ? std::make_unique<PackingContext>(TiledPacking(spec, made))
+                            : std::make_unique<PackingContext>(std::move(made));
   done_ += seconds;
   if (spec.frame >= 0) {
     PackingSpec first = spec;
@@ -110,7 +116,7 @@ void Provision::tune_for(const Case& c, bool fresh, Eta& eta) {
   if (tunings_.count(name)) return;
   stop_if_interrupted();
   PackingContext& context = load(tuning_spec(c.packing, profile_, tuning_n_), eta);
-  const std::string key = key_prefix_ + "tuning|" + name + "|" + hex64(packing_hash(context.packing.balls));
+  const std::string key = key_prefix_ + "tuning|" + name + "|" + hex64(context.label().hash);
   if (const Json* line = fresh ? nullptr : journal_.find(key)) {
     const Json& t = (*line)["tuning"];
     tunings_[name] = {t["cell_ravg"], t["cell_rmax"], t["threads_broad"], t["threads_narrow"], t["tuned_on"]};

@@ -30,6 +30,9 @@ std::filesystem::path results_path(const RunOptions& options) {
 // KB.
 constexpr std::size_t kBytesACase = 3 * 32 * 1024;
 
+// A case that this machine's memory cannot hold: skipped, said, and no fault of the run, like one that the study leaves out.
+constexpr const char* kMemoryCode = "memory";
+
 // Fails a repetition from inside its loop: Google Benchmark 1.7 aborts if the repetitions of a case, failed ones included,
 // have not run equally often.
 void skip(benchmark::State& state, const std::string& error) {
@@ -78,7 +81,7 @@ class StudyRun {
   std::unique_ptr<Provision> provision_;
   std::unique_ptr<Eta> eta_;
   double done_ = 0;
-  std::size_t registered_ = 0, started_ = 0, resumed_ = 0, kept_ = 0;
+  std::size_t registered_ = 0, started_ = 0, resumed_ = 0, kept_ = 0, left_out_ = 0;
   bool mismatch_ = false;
 };
 
@@ -126,14 +129,21 @@ void StudyRun::register_case(const Case& c) {
   const std::string name = c.name();
   PackingContext& context = provision_->context(c);
   const Tuning tuning = provision_->tuning(c);
+  if (!c.left_out.empty()) {
+    const std::size_t colon = c.left_out.find(": ");
+    file_->skip(identity_json(c, context.label(), context.facts, tuning), c.left_out.substr(0, colon),
+                c.left_out.substr(colon + 2));
+    ++left_out_;
+    return;
+  }
   const DetectorParams p = params_of(c, context.facts, tuning);
   CaseRecord record;
-  record.journal_key = key_ + fmt::format("{}|{}|{:.9g}|{}|{}|{}|{}", name, hex64(packing_hash(context.packing.balls)), p.cell,
-                                          p.threads_broad, p.threads_narrow, tuning.tuned_on,
+  record.journal_key = key_ + fmt::format("{}|{}|{:.9g}|{}|{}|{}|{}", name, hex64(context.label().hash), p.cell, p.threads_broad,
+                                          p.threads_narrow, tuning.tuned_on,
                                           on_gpu(*c.detector) ? "" : options_.profile_name);  // it bounds the CPU's samples
   order_.push_back(name);
   if (resume(c, record)) return;
-  record.identity = identity_json(c, context.packing, context.facts, tuning);
+  record.identity = identity_json(c, context.label(), context.facts, tuning);
   records_[name] = std::move(record);
   runners_[name] = std::make_unique<CaseRunner>(c, tuning, context, options_.selection.profile, flags_,
                                                 on_gpu(*c.detector) ? gpu_event_reasons : EventReasons());
@@ -145,7 +155,7 @@ void StudyRun::register_case(const Case& c) {
                                  if (!runner.complete()) return;
                                  PackingContext& here = provision_->context(c);
                                  CaseRecord& done = records_.at(name);
-                                 done.case_object = case_json(c, here.packing, here.facts, tuning, runner.measurement());
+                                 done.case_object = case_json(c, here.label(), here.facts, tuning, runner.measurement());
                                  done.case_object["run_id"] = file_->touchstone()["run"]["id"];
                                  done.samples_us = runner.measurement().samples_us;
                                  runners_.at(name).reset();
@@ -208,6 +218,8 @@ void StudyRun::repetition(benchmark::State& state, const Case& c, CaseRunner& ru
   } catch (const Mismatch& e) {
     mismatch_ = true;
     error = fmt::format("mismatch: {}", e.what());
+  } catch (const MemoryError& e) {
+    error = fmt::format("{}: {}", kMemoryCode, e.what());
   } catch (const InputError& e) {
     error = fmt::format("refused: {}", e.what());
   } catch (const std::exception& e) {
@@ -233,10 +245,12 @@ void StudyRun::finish() {
     why_not_.push_back(why);
   for (const std::string& objection : provision_->objections()) why_not_.push_back(objection);
   taints_of_earlier_runs();
-  const bool complete = file_->cases() == order_.size() + kept_ && file_->skipped() == 0;
-  if (!complete) why_not_.push_back(fmt::format("{} of {} cases measured", file_->cases() - kept_, order_.size()));
+  const std::size_t without_room = file_->skipped(kMemoryCode), planned = order_.size() - without_room;
+  const bool complete = file_->cases() == planned + kept_ && file_->skipped() == left_out_ + without_room;
+  if (!complete) why_not_.push_back(fmt::format("{} of {} cases measured", file_->cases() - kept_, planned));
   run["end"] = utc_now();
-  run["planned"] = order_.size();
+  run["planned"] = planned;
+  run["left_out"] = left_out_ + without_room;  // they stand in `skipped`, with their reasons
   run["done"] = file_->cases() - kept_;
   run["resumed"] = resumed_;
   run["kept_from_other_selections"] = kept_;
@@ -248,7 +262,7 @@ void StudyRun::finish() {
 int StudyRun::exit_code() const {
   if (interrupted()) return kExitInterrupted;
   if (mismatch_) return kExitMismatch;
-  return file_->skipped() > 0 ? kExitPartial : kExitOk;
+  return file_->skipped() > left_out_ + file_->skipped(kMemoryCode) ? kExitPartial : kExitOk;
 }
 
 int StudyRun::run() {

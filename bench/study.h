@@ -34,7 +34,7 @@ std::vector<Case> plan_study(std::string_view study, const StudyOptions& options
 // Of a settling's frames a profile takes every tenth (`default`) or fourth (`full`), the first and the last among them.
 std::int32_t frames_between(Profile profile);
 
-// The packings of a study in full, each once; on a machine without a GPU those that its CPU cases need.
+// The packings of a study in full, each once, bases of tiled ones; on a machine without a GPU those that its CPU cases need.
 std::vector<PackingSpec> packings_of_study(std::string_view study);
 
 // The spec whose packing tunes a case of Protocol::best: like its own, of seed 2 (or 1, for cases of seed 2), so that no

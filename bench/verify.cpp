@@ -6,8 +6,14 @@
 #include <stdexcept>
 
 #include "bench/detectors.h"
+#include "bench/memory_plan.h"
 #include "bench/order.h"
+#include "reference_cpu/count_and_hash.h"
 #include "touchstone/grid.h"
+#include "touchstone/list_digest.h"
+#if defined(TOUCHSTONE_HAVE_CUDA)
+#include "kernels/list_digest.h"
+#endif
 
 namespace touchstone {
 namespace {
@@ -18,49 +24,81 @@ ContactList run_cpu(std::string_view name, std::span<const Ball> balls, const Pa
   return d.output->download(stream);
 }
 
+// Kernels exist only where nvcc does. A table of numbers lies on the host: the device gets a copy of it.
+#if defined(TOUCHSTONE_HAVE_CUDA)
+ListDigest digest_where_it_lies(const ContactsView& list, Numbering number, Stream& stream) {
+  if (stream.place() == Place::host) return digest_on_host(list, number);
+  Buffer<std::int32_t> table;
+  if (number.table) {
+    table = Buffer<std::int32_t>(static_cast<std::size_t>(list.n), Place::device, stream);
+    copy_async(table, std::span(number.table, table.size()), stream);
+    number.table = table.data();
+  }
+  return digest_on_device(list, number, stream);
+}
+#else
+ListDigest digest_where_it_lies(const ContactsView& list, const Numbering& number, Stream&) {
+  return digest_on_host(list, number);
+}
+#endif
+
 }  // namespace
 
 Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts) {
   Reference r;
+  if (facts.n > kMostBallsCompared) {
+    require_host_memory("parallel_levels, the reference", count_and_hash_bytes(facts));
+    const CountAndHash found = count_and_hash(balls, facts);
+    r.only_hash = true;
+    r.contacts = found.contacts;
+    r.hash = found.hash;
+    r.by = "parallel_levels (count and hash)";
+    return r;
+  }
   if (facts.n <= kMostBallsAllPairs) {
     r.list = run_cpu("all_pairs", balls, facts);
     r.by = "all_pairs";
   } else {
     r.list = run_cpu("parallel_levels", balls, facts);
-    r.by = "parallel_levels";
-    if (facts.n <= kMostBallsCompared) {
-      const ContactDifference difference = compare(run_cpu("serial_multi_cell", balls, facts), r.list);
-      if (!difference.equal())
-        throw std::runtime_error("the references disagree: serial_multi_cell against parallel_levels: " + difference.text());
-      r.by = "parallel_levels = serial_multi_cell";
-    }
+    const ContactDifference difference = compare(run_cpu("serial_multi_cell", balls, facts), r.list);
+    if (!difference.equal())
+      throw std::runtime_error("the references disagree: serial_multi_cell against parallel_levels: " + difference.text());
+    r.by = "parallel_levels = serial_multi_cell";
   }
   r.contacts = r.list.count();
   r.hash = r.list.hash();
-  if (facts.n > kMostBallsCompared) {
-    r.only_hash = true;
-    r.by += " (count and hash)";
-    r.list = {};
-  }
   return r;
 }
 
-std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream, std::span<const std::int32_t> number,
+std::string hash_mismatch(const Detection& detection, const Reference& reference, Stream& stream, const Numbering& number,
+                          std::uint64_t* found_hash) {
+  const ContactsView list = detection.output->view();
+  const ListDigest found = digest_where_it_lies(list, number, stream);
+  if (found.malformed > 0)
+    return fmt::format("{} malformed entries: i >= j, a ball outside 0..{}, or a row too long", found.malformed, list.n - 1);
+  if (found_hash) *found_hash = found.hash;
+  if (found.contacts != detection.report.contacts)
+    return fmt::format("reported {} contacts, wrote {}", detection.report.contacts, found.contacts);
+  if (list.form == OutputForm::ball_lists && (found.contacts_back != found.contacts || found.hash_back != found.hash))
+    return fmt::format("rows do not hold both directions of each contact: {} with hash {}, back {} with {}", found.contacts,
+                       hex64(found.hash), found.contacts_back, hex64(found.hash_back));
+  if (found.contacts == reference.contacts && found.hash == reference.hash) return "";
+  return fmt::format("{} contacts with hash {}, reference {} with {}", found.contacts, hex64(found.hash), reference.contacts,
+                     hex64(reference.hash));
+}
+
+std::string mismatch(const Detection& detection, const Reference& reference, Stream& stream, const Numbering& number,
                      std::uint64_t* found_hash) {
+  if (reference.only_hash) return hash_mismatch(detection, reference, stream, number, found_hash);
   ContactList found;
   try {
-    found = renumbered(detection.output->download(stream), number);
+    found = renumbered(detection.output->download(stream), number, detection.output->view().n);
   } catch (const std::logic_error& e) {  // malformed: a duplicate, i >= j, an index outside
     return e.what();
   }
   if (found_hash) *found_hash = found.hash();
   if (found.count() != detection.report.contacts)
     return fmt::format("reported {} contacts, wrote {}", detection.report.contacts, found.count());
-  if (reference.only_hash) {
-    if (found.count() == reference.contacts && found.hash() == reference.hash) return "";
-    return fmt::format("{} contacts with hash {}, reference {} with {}", found.count(), hex64(found.hash()), reference.contacts,
-                       hex64(reference.hash));
-  }
   const ContactDifference difference = compare(found, reference.list);
   return difference.equal() ? "" : difference.text();
 }

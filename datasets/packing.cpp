@@ -19,6 +19,14 @@ static_assert(std::endian::native == std::endian::little, "packings are little-e
 
 std::uint64_t packing_hash(std::span<const Ball> balls) { return XXH3_64bits(balls.data(), balls.size_bytes()); }
 
+std::uint64_t packing_hash(const std::function<std::span<const Ball>()>& next) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  for (std::span<const Ball> part = next(); !part.empty(); part = next())
+    XXH3_64bits_update(&state, part.data(), part.size_bytes());
+  return XXH3_64bits_digest(&state);
+}
+
 namespace {
 
 void grow(Box& box, const Ball& b, float reach) {

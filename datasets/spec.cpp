@@ -62,6 +62,15 @@ void set_base(PackingSpec& spec, std::string_view text) {
   spec.base_y = number("base", text.substr(cross + 1), 1e-4, 1e5) / 100;
 }
 
+// Beyond 32-bit ball numbers it is the bytes that show what was asked for.
+std::int64_t tiled_number(std::string_view text) {
+  const auto balls = number<std::int64_t>("tiled", text, 0, std::int64_t{1} << 50);
+  if (balls > 2147483647)
+    throw InputError(fmt::format("spec: tiled={}: {} bytes of balls; ball numbers are 32-bit, so at most 2147483647 balls", balls,
+                                 16 * balls));
+  return balls;
+}
+
 void set_key(PackingSpec& spec, std::string_view key, std::string_view text) {
   if (key == "n")
     spec.n = number<std::int32_t>(key, text, 1, 2147483647);
@@ -81,9 +90,11 @@ void set_key(PackingSpec& spec, std::string_view key, std::string_view text) {
     spec.rmin = number<double>(key, text, 1e-4, 1e4) / 100;
   else if (key == "frame")
     spec.frame = number<std::int32_t>(key, text, 0, kLastFrame);
+  else if (key == "tiled")
+    spec.tiled = tiled_number(text);
   else
     throw InputError(
-        fmt::format("spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame", key, text));
+        fmt::format("spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, tiled", key, text));
 }
 
 // Keys that only make sense together.
@@ -94,6 +105,9 @@ void judge(const PackingSpec& spec) {
   if (spec.kind == PackingKind::loose && spec.frame >= 0)
     throw InputError(
         fmt::format("spec: frame={}: loose packings are not settled and have no frames; kind=settled has", spec.frame));
+  if (spec.tiled != 0 && spec.frame >= 0)
+    throw InputError(
+        fmt::format("spec: frame={}, tiled={}: a frame of a settling is not tiled; give one of the two", spec.frame, spec.tiled));
   if (narrow > 0 && narrow < 4 * rmax)
     throw InputError(
         fmt::format("spec: base={:.6g}x{:.6g}: too narrow for balls of radius {:.6g} cm; at least {:.6g} cm each way",
@@ -173,7 +187,15 @@ std::string name_of(const PackingSpec& spec) {
   if (base_text(spec) != base_text(standard)) name += spec.base_x > 0 ? "_b" + base_text(spec) : "_cube";
   if (spec.kind == PackingKind::loose) name += fmt::format("_loose{:.12g}", spec.solid_fraction * 100);
   if (spec.frame >= 0) name += fmt::format("_f{:03}", spec.frame);
+  if (spec.tiled != 0) name += fmt::format("_tiled{}", spec.tiled);
   return name;
+}
+
+std::int64_t balls_of(const PackingSpec& spec) { return spec.tiled != 0 ? spec.tiled : spec.n; }
+
+PackingSpec base_of(PackingSpec spec) {
+  spec.tiled = 0;
+  return spec;
 }
 
 std::string_view to_string(PackingKind kind) { return word_of(kKinds, kind); }
@@ -183,7 +205,9 @@ std::string to_string(const PackingSpec& spec) {
   std::string text =
       fmt::format("n={},c={},seed={},base={},mix={},kind={},phi={},rmin_cm={}", spec.n, spec.cell_factor, spec.seed,
                   base_text(spec), word_of(kMixes, spec.mix), word_of(kKinds, spec.kind), spec.solid_fraction, cm(spec.rmin));
-  if (spec.frame >= 0) text += fmt::format(",frame={}", spec.frame);  // else as ever: caches keep this text
+  // Else as ever: caches keep this text.
+  if (spec.frame >= 0) text += fmt::format(",frame={}", spec.frame);
+  if (spec.tiled != 0) text += fmt::format(",tiled={}", spec.tiled);
   return text;
 }
 

@@ -35,6 +35,7 @@ struct PackingSpec {
   double base_x = 0.20, base_y = 0.20;  // m, the container's floor; for loose packings 0 means a cube
   double solid_fraction = 0.60;         // loose only: sum of ball volumes over box volume
   std::int32_t frame = -1;              // settled only: a frame of the settling, 0 to kLastFrame; -1: the bed at rest
+  std::int64_t tiled = 0;               // not 0: the packing of the other words repeated, cut off at so many balls (tiling.h)
 };
 
 // Frames of a settling are equally spaced in the generator's steps, so a frame's number is the per cent of the settling: 0 is the
@@ -44,18 +45,25 @@ inline constexpr std::int32_t kLastFrame = 100;
 // The spec without its frame: of the bed that the settling ends with.
 PackingSpec settled_of(PackingSpec spec);
 
-// "n=20653,c=4,seed=1,base=20x20,mix=table1,kind=settled,phi=0.6,rmin_cm=0.25,frame=40" (base in cm; `base=cube`), any subset
-// in any order; or the path of a JSON file with the same keys. Throws InputError naming the key, its value and what would be
-// right.
+// "n=20653,c=4,seed=1,base=20x20,mix=table1,kind=settled,phi=0.6,rmin_cm=0.25,frame=40" (base in cm; `base=cube`) or
+// "…,tiled=10000000", any subset in any order; or the path of a JSON file with the same keys. Throws InputError naming the key,
+// its value and what would be right.
 PackingSpec parse_spec(std::string_view text);
 
 // Short, unique among specs, fit for a file name: "c4_n20653", with _s2, _uniform, _b10x10, _loose60, _f040 … where not default.
+// A tiled one is its base's name with _tiled10000000.
 std::string name_of(const PackingSpec& spec);
+
+// Balls of the packing: `tiled`, or n where it is not tiled.
+std::int64_t balls_of(const PackingSpec& spec);
+
+// What must be made before it: the spec itself, or the base of a tiled one.
+PackingSpec base_of(PackingSpec spec);
 
 // The specs of a JSON file {"packings": [{"n": 2969, "c": 4}, …]}, such as datasets/specs/table2.json. Throws InputError.
 std::vector<PackingSpec> load_spec_set(const std::filesystem::path& path);
 
-// The spec in parse_spec's words, every key given (`frame` where there is one).
+// The spec in parse_spec's words, every key given (`frame` and `tiled` where there is one).
 std::string to_string(const PackingSpec& spec);
 
 }  // namespace touchstone

@@ -81,6 +81,9 @@ std::function<void()> wait_for_maker(std::string name, const std::filesystem::pa
 std::string cache_file_of(const PackingSpec& spec) { return name_of(settled_of(spec)) + (spec.frame < 0 ? ".balls" : ".frames"); }
 
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress) {
+  if (spec.tiled != 0)
+    throw InputError(
+        fmt::format("{}: tiled packings are kept in no file; make their base, {}", name_of(spec), name_of(base_of(spec))));
   if (spec.frame >= 0) return load_or_make_frame(spec, folder, progress);
   // Files are replaced whole, so a look needs no lock: a complete cache may be read-only.
   std::string why_not;

@@ -19,7 +19,7 @@ namespace touchstone {
 // The packing from the cache if spec, generator version and hash of the bytes agree (a complete cache may be read-only); else
 // made (validity checked, an invalid one is an error), written atomically, and returned. A damaged file is said on stderr and
 // made anew. Waits while another process makes the same packing: said on stderr, and `progress` is called, so it can stop the
-// wait.
+// wait. Throws InputError for a tiled spec: those are made where they are used (bench/tiled.h).
 // A spec with a frame gives that frame of the settling: frames.h.
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress = {});
 

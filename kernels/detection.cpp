@@ -49,7 +49,7 @@ ContactList ContactStorage::download(Stream& stream) const {
 }
 
 std::int64_t default_capacity(OutputForm form, const PackingFacts& facts) {
-  if (form == OutputForm::pairs) return std::max<std::int64_t>(64, 8 * static_cast<std::int64_t>(facts.n));
+  if (form == OutputForm::pairs) return std::max<std::int64_t>(64, kDefaultPairsABall * facts.n);
   // Small balls about one large: about 0.8 * 4 * ((R + r) / r)^2 of them fit (dem_spec.md section 3).
   const double most = 3.2 * std::pow(1 + facts.cell_factor(), 2);
   const double rounded = 16 * std::ceil(std::min(most, 512.0) / 16);

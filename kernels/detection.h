@@ -28,7 +28,9 @@ class ContactStorage {
   Buffer<std::int32_t> length_, slot_;
 };
 
-// A first guess that physical packings fit: 8 pairs a ball, or rows for the largest ball among the smallest (multiple of 16).
+inline constexpr std::int64_t kDefaultPairsABall = 8;
+
+// A first guess that physical packings fit: so many pairs a ball, or rows for the largest ball among the smallest (multiple of 16).
 std::int64_t default_capacity(OutputForm form, const PackingFacts& facts);
 
 // A detector with its input resident and its output sized so that nothing overflowed: ready to be verified, then timed.

@@ -45,7 +45,7 @@ void require_slots(std::string_view method, std::int32_t capacity, std::int32_t 
 void require_memory(std::string_view method, std::int64_t cells, std::int64_t bytes, std::string_view remedy) {
   const auto free = static_cast<std::int64_t>(free_bytes());
   if (bytes > free)
-    throw InputError(fmt::format("{}: {} cells need {:.3f} GB of workspace, {:.3f} GB are free; {}", method, cells,
+    throw MemoryError(fmt::format("{}: {} cells need {:.3f} GB of workspace, {:.3f} GB are free; {}", method, cells,
                                  1e-9 * static_cast<double>(bytes), 1e-9 * static_cast<double>(free), remedy));
 }
 

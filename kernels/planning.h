@@ -34,7 +34,7 @@ std::int32_t capacity_or(std::string_view method, std::int32_t asked, const Pack
 // Throws InputError where a cell's slots are more than `most`, which a block's shared memory holds.
 void require_slots(std::string_view method, std::int32_t capacity, std::int32_t most);
 
-// Throws InputError where the device has no room for a workspace, before anything is allocated; `remedy` says what would do.
+// Throws MemoryError where the device has no room for a workspace, before anything is allocated; `remedy` says what would do.
 void require_memory(std::string_view method, std::int64_t cells, std::int64_t bytes, std::string_view remedy);
 
 // The fullest cell, from true counts that live on the device; synchronises.

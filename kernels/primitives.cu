@@ -5,6 +5,9 @@
 #include <numeric>
 #include <vector>
 #else
+#include <algorithm>
+#include <limits>
+
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #endif
@@ -14,6 +17,8 @@ namespace touchstone {
 #if defined(TOUCHSTONE_NO_CUDA)
 
 RadixSort::RadixSort(std::int32_t n, int key_bits, Stream&) : n_(n), key_bits_(key_bits) {}
+
+std::int64_t RadixSort::bytes_for(std::int64_t, int) { return 0; }
 
 void RadixSort::sort(const std::uint32_t* key, const std::int32_t* value, std::uint32_t* sorted_key, std::int32_t* sorted_value,
                      Stream&) {
@@ -33,11 +38,26 @@ void ExclusiveScan::scan(std::int64_t* entries, Stream&) { std::exclusive_scan(e
 
 #else
 
-RadixSort::RadixSort(std::int32_t n, int key_bits, Stream& stream) : n_(n), key_bits_(key_bits) {
+namespace {
+
+std::size_t temporary_bytes(std::int32_t n, int key_bits, cudaStream_t stream) {
   std::size_t bytes = 0;
-  check(cub::DeviceRadixSort::SortPairs<std::uint32_t, std::int32_t>(nullptr, bytes, nullptr, nullptr, nullptr, nullptr, n_, 0,
-                                                                     key_bits_, stream.get()));
-  temporary_ = Buffer<char>(bytes, Place::device, stream);
+  check(cub::DeviceRadixSort::SortPairs<std::uint32_t, std::int32_t>(nullptr, bytes, nullptr, nullptr, nullptr, nullptr, n, 0,
+                                                                     key_bits, stream));
+  return bytes;
+}
+
+}  // namespace
+
+RadixSort::RadixSort(std::int32_t n, int key_bits, Stream& stream) : n_(n), key_bits_(key_bits) {
+  temporary_ = Buffer<char>(temporary_bytes(n, key_bits, stream.get()), Place::device, stream);
+}
+
+std::int64_t RadixSort::bytes_for(std::int64_t n, int key_bits) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  const std::int64_t sorted = std::min(n, kMost);
+  return scaled_bytes(
+      static_cast<std::int64_t>(temporary_bytes(static_cast<std::int32_t>(sorted), std::min(key_bits, 32), nullptr)), n, sorted);
 }
 
 void RadixSort::sort(const std::uint32_t* key, const std::int32_t* value, std::uint32_t* sorted_key, std::int32_t* sorted_value,

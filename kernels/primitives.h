@@ -16,6 +16,8 @@ class RadixSort {
   void sort(const std::uint32_t* key, const std::int32_t* value, std::uint32_t* sorted_key, std::int32_t* sorted_value,
             Stream& stream);
   std::int64_t bytes() const { return static_cast<std::int64_t>(temporary_.bytes()); }
+  // The same before it is made. Beyond the 2^31 - 1 that it sorts, in proportion.
+  static std::int64_t bytes_for(std::int64_t n, int key_bits);
 
  private:
   std::int32_t n_;

@@ -38,14 +38,14 @@ __global__ void reorder_kernel(BallsView in, const std::int32_t* number, const s
 
 int bits_of(std::int64_t cells) { return std::max(1, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells - 1)))); }
 
-std::int64_t workspace(const Grid& grid, std::int64_t n) {
+std::int64_t workspace(std::int64_t cells, std::int64_t n) {
   return n * static_cast<std::int64_t>(2 * sizeof(std::uint32_t) + 2 * sizeof(std::int32_t) + sizeof(Ball)) +
-         (grid.cells() + 1) * static_cast<std::int64_t>(sizeof(std::int32_t));
+         (cells + 1) * static_cast<std::int64_t>(sizeof(std::int32_t));
 }
 
 // Passes n through once the memory is known to suffice: members are allocated after it.
 std::int32_t checked(std::string_view method, const Grid& grid, std::int32_t n) {
-  require_memory(method, grid.cells(), workspace(grid, n), "use a larger cell");
+  require_memory(method, grid.cells(), workspace(grid.cells(), n), "use a larger cell");
   return n;
 }
 
@@ -78,6 +78,10 @@ std::vector<KernelFacts> SortedCells::kernels() const {
           kernel_facts("reorder_kernel", "broad", {1, threads_}, reorder_kernel)};
 }
 
-std::int64_t SortedCells::bytes() const { return workspace(grid_, n_) + sort_.bytes(); }
+std::int64_t SortedCells::bytes() const { return workspace(grid_.cells(), n_) + sort_.bytes(); }
+
+std::int64_t SortedCells::bytes_for(std::int64_t cells, std::int64_t n) {
+  return workspace(cells, n) + RadixSort::bytes_for(n, bits_of(cells));
+}
 
 }  // namespace touchstone

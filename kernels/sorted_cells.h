@@ -26,6 +26,7 @@ class SortedCells {
   void build(BallsView in, ContactsView out, Stream& stream);
   CellOrderView view() const { return {grid_, n_, ball_.data(), number_.data(), start_.data()}; }
   std::int64_t bytes() const;
+  static std::int64_t bytes_for(std::int64_t cells, std::int64_t n);  // the same before it is made
   std::vector<KernelFacts> kernels() const;
 
  private:

@@ -5,6 +5,7 @@ set(TOUCHSTONE_KERNEL_SOURCES
   fixed_bucket.cu
   force_pass.cu
   levels.cu
+  list_digest.cu
   multi_cell_paper.cu
   multi_cell_staged.cu
   parted_balls.cu
@@ -13,10 +14,12 @@ set(TOUCHSTONE_KERNEL_SOURCES
   sorted_cells.cu
   sorted_grid.cu
   sorted_levels.cu
-  sorted_rows.cu)
+  sorted_rows.cu
+  tile.cu)
 # Their host side, plain C++ in both.
 set(TOUCHSTONE_KERNEL_HOST_SOURCES
   detection.cpp
   detectors.cpp
   level_grids.cpp
-  planning.cpp)
+  planning.cpp
+  workspace.cpp)

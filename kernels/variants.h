@@ -10,8 +10,12 @@ namespace touchstone {
 struct DetectorFactory {
   constexpr operator decltype(DetectorInfo::make)() const { return nullptr; }
 };
+struct WorkspaceBytes {
+  constexpr operator decltype(DetectorInfo::bytes)() const { return nullptr; }
+};
 #else
 using DetectorFactory = std::unique_ptr<Detector>(const PackingFacts& facts, const DetectorParams& params, Stream& stream);
+using WorkspaceBytes = std::int64_t(std::int64_t n, const PackingFacts& like, const DetectorParams& params);
 #endif
 
 DetectorFactory make_levels;
@@ -21,5 +25,14 @@ DetectorFactory make_fixed_bucket;
 DetectorFactory make_multi_cell_paper;
 DetectorFactory make_multi_cell_staged;
 DetectorFactory make_sorted_grid;
+
+// DetectorInfo::bytes of each (workspace.cpp).
+WorkspaceBytes bytes_of_levels;
+WorkspaceBytes bytes_of_reproducible_levels;
+WorkspaceBytes bytes_of_sdk_sort;
+WorkspaceBytes bytes_of_fixed_bucket;
+WorkspaceBytes bytes_of_multi_cell_paper;
+WorkspaceBytes bytes_of_multi_cell_staged;
+WorkspaceBytes bytes_of_sorted_grid;
 
 }  // namespace touchstone

@@ -52,6 +52,8 @@ ContactList all_pairs(std::span<const Ball> balls) {
   return list;
 }
 
+std::int64_t bytes_of_all_pairs(std::int64_t, const PackingFacts&, const DetectorParams&) { return 0; }
+
 std::unique_ptr<Detector> make_all_pairs(const PackingFacts& facts, const DetectorParams&, Stream&) {
   return std::make_unique<AllPairs>(facts.n);
 }

@@ -17,11 +17,22 @@ std::uint64_t ContactList::hash() const {
   return sum;
 }
 
+void sort_pairs(std::vector<Pair>& pairs, std::int32_t n) {
+  if (static_cast<std::int64_t>(pairs.size()) < n / 4) return std::sort(pairs.begin(), pairs.end());  // not worth an array of n
+  std::vector<std::int64_t> place(static_cast<std::size_t>(n) + 1, 0);
+  for (const Pair& p : pairs) ++place[p.i + 1];
+  for (std::int32_t i = 0; i < n; ++i) place[i + 1] += place[i];
+  std::vector<Pair> sorted(pairs.size());
+  for (const Pair& p : pairs) sorted[place[p.i]++] = p;  // afterwards place[i] is where i's pairs end
+  for (std::int32_t i = 0; i < n; ++i) std::sort(sorted.begin() + (i == 0 ? 0 : place[i - 1]), sorted.begin() + place[i]);
+  pairs = std::move(sorted);
+}
+
 ContactList from_pairs(std::vector<Pair> pairs, std::int32_t n) {
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (pairs[k].i < 0 || pairs[k].i >= pairs[k].j || pairs[k].j >= n)
       throw std::logic_error(fmt::format("pair {} is {}-{}: must be 0 <= i < j < {}", k, pairs[k].i, pairs[k].j, n));
-  std::sort(pairs.begin(), pairs.end());
+  sort_pairs(pairs, n);
   const auto twice = std::adjacent_find(pairs.begin(), pairs.end());
   if (twice != pairs.end()) throw std::logic_error(fmt::format("pair {}-{} is listed twice", twice->i, twice->j));
   return {std::move(pairs)};

@@ -23,13 +23,36 @@ std::int32_t level_of(const std::vector<Level>& levels, float r) {
 
 }  // namespace
 
+namespace {
+
+std::int64_t starts_of(const std::vector<Level>& levels) {
+  return levels.empty() ? 1 : levels.back().first_cell + levels.back().grid.cells() + 1;
+}
+
+// 2^bits cells are a part of the index.
+int part_bits_for(std::int64_t cells, int threads) {
+  int bits = 0;
+  while ((cells >> bits) + 1 > kPartsAThread * threads) ++bits;
+  return bits;
+}
+
+}  // namespace
+
 LevelIndex::LevelIndex(const PackingFacts& facts, int threads)
     : n_(facts.n), threads_(threads), levels_(plan_levels(facts)), cell_(facts.n), dealt_(facts.n) {
   sorted_.resize(facts.n);
-  start_.resize(levels_.empty() ? 1 : levels_.back().first_cell + levels_.back().grid.cells() + 1);
-  while (parts() > kPartsAThread * threads) ++part_bits_;
+  start_.resize(starts_of(levels_));
+  part_bits_ = part_bits_for(cells(), threads);
   dealt_by_.resize(static_cast<std::size_t>(parts()) * threads);
   part_start_.resize(parts() + 1);
+}
+
+std::int64_t level_index_bytes(const PackingFacts& facts, int threads) {
+  const std::int64_t starts = starts_of(plan_levels(facts)), cells = starts - 1;
+  const std::int64_t parts = (cells >> part_bits_for(cells, threads)) + 1;
+  constexpr std::int64_t kNumber = sizeof(std::int32_t);
+  return (std::int64_t{facts.n} + kLanes) * 5 * kNumber + 2 * kNumber * facts.n +
+         kNumber * (starts + parts * threads + parts + 1);
 }
 
 std::int32_t LevelIndex::cell_of(const Ball& b) const {
@@ -122,8 +145,12 @@ std::int64_t LevelIndex::bytes() const {
   return sorted_.bytes() + static_cast<std::int64_t>(numbers * sizeof(std::int32_t));
 }
 
-CountAndHash count_and_hash(std::span<const Ball> balls) {
-  LevelIndex index(facts_of(balls), omp_get_max_threads());
+CountAndHash count_and_hash(std::span<const Ball> balls) { return count_and_hash(balls, facts_of(balls)); }
+
+std::int64_t count_and_hash_bytes(const PackingFacts& facts) { return level_index_bytes(facts, omp_get_max_threads()); }
+
+CountAndHash count_and_hash(std::span<const Ball> balls, const PackingFacts& facts) {
+  LevelIndex index(facts, omp_get_max_threads());
   index.build({balls.data(), static_cast<std::int32_t>(balls.size())});
   CountAndHash total;
   index.search(CountAndHashSink{}, [&](const CountAndHashSink& sink) {
@@ -161,6 +188,14 @@ class Levels : public Detector {
 };
 
 }  // namespace
+
+std::int64_t bytes_of_serial_levels(std::int64_t n, const PackingFacts& like, const DetectorParams&) {
+  return scaled_bytes(level_index_bytes(like, 1), n, like.n);
+}
+
+std::int64_t bytes_of_parallel_levels(std::int64_t n, const PackingFacts& like, const DetectorParams&) {
+  return scaled_bytes(level_index_bytes(like, omp_get_max_threads()), n, like.n);
+}
 
 std::unique_ptr<Detector> make_serial_levels(const PackingFacts& facts, const DetectorParams&, Stream&) {
   return std::make_unique<Levels>(facts, 1);

@@ -28,6 +28,9 @@ struct Level {
 // Levels, coarsest first, for balls with these facts; none for n = 0. Deterministic. See level_plan.cpp for the cost model.
 std::vector<Level> plan_levels(const PackingFacts& facts);
 
+// LevelIndex::bytes() without making it.
+std::int64_t level_index_bytes(const PackingFacts& facts, int threads);
+
 class LevelIndex {
  public:
   // threads: of build() and search(), >= 1.

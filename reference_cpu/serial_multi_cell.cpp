@@ -32,15 +32,26 @@ void for_each_cell(const Grid& g, const CellBox& box, Visit&& visit) {
       for (std::int32_t i = box.lo_x; i <= box.hi_x; ++i) visit(g.cell_number(i, j, k), i, j, k);
 }
 
+double cell_for(const PackingFacts& facts, double asked) {
+  return asked != 0 ? asked : coarse_enough(facts.surfaces, kCellAverageRadii * facts.ravg, 64.0 + 4.0 * facts.n);
+}
+
+// A box of width 2r overlaps 2r/h + 1 cells on an axis on average.
+std::int64_t expected_entries(const PackingFacts& facts, double cell) {
+  double entries = 0;
+  for (const auto& [radius, balls] : facts.radii) entries += balls * std::pow(2 * radius / cell + 1, 3);
+  return static_cast<std::int64_t>(1.1 * entries);
+}
+
 class SerialMultiCell : public Detector {
  public:
   SerialMultiCell(const PackingFacts& facts, const DetectorParams& params) : n_(facts.n) {
     cell_ = params.cell;
     if (n_ == 0) return;
-    if (cell_ == 0) cell_ = coarse_enough(facts.surfaces, kCellAverageRadii * facts.ravg, 64.0 + 4.0 * n_);
+    cell_ = cell_for(facts, params.cell);
     grid_ = make_grid(facts.surfaces, cell_);
     start_.resize(grid_.cells() + 1);
-    make_room(expected_entries(facts));
+    make_room(expected_entries(facts, cell_));
   }
 
   void detect(BallsView in, ContactsView out, Stream&) override {
@@ -60,13 +71,6 @@ class SerialMultiCell : public Detector {
   DetectorParams params() const override { return {.cell = cell_}; }
 
  private:
-  // A box of width 2r overlaps 2r/h + 1 cells on an axis on average.
-  std::int64_t expected_entries(const PackingFacts& facts) const {
-    double entries = 0;
-    for (const auto& [radius, balls] : facts.radii) entries += balls * std::pow(2 * radius / cell_ + 1, 3);
-    return static_cast<std::int64_t>(1.1 * entries);
-  }
-
   void make_room(std::int64_t entries) {
     if (entries > std::numeric_limits<std::int32_t>::max())
       throw InputError(fmt::format(
@@ -135,6 +139,14 @@ class SerialMultiCell : public Detector {
 };
 
 }  // namespace
+
+std::int64_t bytes_of_serial_multi_cell(std::int64_t n, const PackingFacts& like, const DetectorParams& params) {
+  if (like.n == 0) return 0;
+  const double cell = cell_for(like, params.cell);
+  constexpr std::int64_t kNumber = sizeof(std::int32_t);
+  const std::int64_t entries = expected_entries(like, cell) + kLanes;
+  return scaled_bytes(entries * 6 * kNumber + (make_grid(like.surfaces, cell).cells() + 1) * kNumber, n, like.n);
+}
 
 std::unique_ptr<Detector> make_serial_multi_cell(const PackingFacts& facts, const DetectorParams& params, Stream&) {
   return std::make_unique<SerialMultiCell>(facts, params);

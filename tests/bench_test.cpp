@@ -221,7 +221,7 @@ TEST(Order, IsAPermutationByWhichContactsFindTheirWayBack) {
     for (std::size_t k = 0; k < ordered.number.size(); ++k) EXPECT_EQ(ordered.balls[k].z, p.balls[ordered.number[k]].z);
     Stream stream(Place::host);
     const Detection d = detect_completely(find_detector("serial_levels"), ordered.balls, facts, {}, OutputForm::pairs, stream);
-    EXPECT_EQ(mismatch(d, reference, stream, ordered.number), "");
+    EXPECT_EQ(mismatch(d, reference, stream, numbering_of(ordered)), "");
     if (order != Order::shuffled) {
       EXPECT_NE(mismatch(d, reference, stream), "") << "numbers of the ordered balls are not the packing's";
     }

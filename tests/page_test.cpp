@@ -111,8 +111,8 @@ TEST_F(Page, InABrowserFitsAPhoneAndADesk) {
     EXPECT_EQ(seen["width"], width) << "the browser did not take the window's width";
     EXPECT_LE(seen["page"], width) << seen["wide"];
     EXPECT_THAT(seen["wide"], IsEmpty()) << "wider than a window of " << width;
-    EXPECT_GE(seen["figures"].get<int>(), 24)
-        << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; trajectory: 4; spread: 3";
+    EXPECT_GE(seen["figures"].get<int>(), 30) << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; "
+                                                 "trajectory: 4; spread: 3; scale: 6";
     EXPECT_EQ(seen["empty"], 0) << "figures without a size at " << width;
     EXPECT_GE(seen["least_text"].get<double>(), 8) << "a figure's text, px, at " << width;
     EXPECT_THAT(console, IsEmpty());
@@ -176,6 +176,11 @@ TEST_F(Page, HoldsEveryTableAndFigure) {
                                "fairness_shape_fixture-1",
                                "fairness_radii_fixture-1",
                                "fairness_bytes_fixture-1",
+                               "scale_fixture-1_c1",
+                               "scale_fixture-1_c4",
+                               "scale_speed_fixture-1",
+                               "scale_bytes_fixture-1",
+                               "cases_scale_fixture-1",
                                "trajectory_c4_n2969_fixture-1",
                                "trajectory_c4_n2969_fixture-1_figure",
                                "cases_trajectory_fixture-1",
@@ -301,6 +306,41 @@ TEST_F(Page, FairnessIsReadFromTheRatios) {
   has("shape", "| 0.250× (0.245 to 0.255) | 1.00 | 0.50 |");
   has("radii", "| sorted_grid/rows | pairs | 0.100 | 2.00× (1.96 to 2.04) |");
   has("bytes", "| sorted_grid/rows | pairs | 200 |");
+}
+
+TEST_F(Page, ScaleStandsBesideItsFloorsAndSaysWhatIsLeftOut) {
+  const std::string speed = file_text(out() / "scale_speed_fixture-1.md"), bytes = file_text(out() / "scale_bytes_fixture-1.md");
+  // 10^6 balls in 206 us, 520 us and 200 ms.
+  EXPECT_THAT(speed, HasSubstr("| c1_n50000_tiled1000000 | shuffled | 4.85 | 0.980 | 0.00500 |"));
+  EXPECT_THAT(speed, HasSubstr("| c1_n50000_tiled1000000000 | sorted | 10.0"));
+  EXPECT_THAT(speed, HasSubstr("| no: memory | no: time |"));
+  EXPECT_THAT(speed, HasSubstr("memory: sorted_grid/rows needs more bytes than are free"));
+  EXPECT_THAT(speed, HasSubstr("| c4_n2969 | shuffled | 0.330 | – | – |"));
+  EXPECT_THAT(bytes, HasSubstr("| 68 (80) |")) << "16 in, 28 of workspace, 3 contacts of 8";
+  const std::string data = file_text(out() / "scale_fixture-1_c1_shuffled.dat");
+  // An empty launch of 5 us; 40 bytes a ball at 800 GB/s. Nanoseconds a ball.
+  EXPECT_THAT(data, HasSubstr("# floor: an empty launch\n1000 5 NaN"));
+  EXPECT_THAT(data, HasSubstr("\n1e+09 5e-06 NaN"));
+  EXPECT_THAT(data, HasSubstr("# floor: bytes in and out\n1000 0.05 NaN"));
+  EXPECT_THAT(data, HasSubstr("# levels/x\n1000 6.2 "));
+  EXPECT_THAT(file_text(out() / "scale_fixture-1_c1_sorted.dat"), Not(HasSubstr("\n1000 "))) << "orders matter from 10^6 on";
+  EXPECT_THAT(file_text(out() / "scale_fixture-1_c4_bytes.dat"), HasSubstr("1e+09 68 "));
+}
+
+// A machine without a GPU has no calibration: no floor is made up.
+TEST_F(Page, ScaleWithoutACalibrationHasNoFloors) {
+  const std::filesystem::path file = folder_->path() / "results/fixture-1/scale.json", aside = folder_->path() / "scale.json";
+  std::filesystem::rename(file, aside);
+  json cpu = json::parse(file_text(aside));
+  cpu["context"]["touchstone"]["calibration"] = nullptr;
+  write_text(file, cpu.dump());
+  const Outcome o = report("d");
+  std::filesystem::remove(file);
+  std::filesystem::rename(aside, file);
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(file_text(folder_->path() / "d/scale_fixture-1_c1_shuffled.dat"), Not(HasSubstr("floor")));
+  EXPECT_THAT(file_text(folder_->path() / "d/scale_fixture-1_c1_shuffled.gp"),
+              HasSubstr("quartiles_from = 1\ny_low = 0.100003\n"));
 }
 
 TEST_F(Page, TheSpreadOfRadiiStandsBesideEqualBallsAndItsBar) {

@@ -61,6 +61,24 @@ TEST(Spec, NamesAreShortAndUnique) {
   EXPECT_EQ(names.size(), std::size(kTexts));
 }
 
+TEST(Spec, TiledIsAWordOfItsOwnAndOldNamesStay) {
+  const PackingSpec spec = parse_spec("n=50000,c=1,tiled=1000000000");
+  EXPECT_EQ(spec.n, 50000);
+  EXPECT_EQ(spec.tiled, 1'000'000'000);
+  EXPECT_EQ(name_of(spec), "c1_n50000_tiled1000000000");
+  EXPECT_EQ(name_of(base_of(spec)), "c1_n50000");
+  EXPECT_EQ(balls_of(spec), 1'000'000'000);
+  EXPECT_EQ(balls_of(base_of(spec)), 50000);
+  EXPECT_EQ(to_string(parse_spec(to_string(spec))), to_string(spec));
+  EXPECT_EQ(to_string(base_of(spec)).find("tiled"), std::string::npos);
+  EXPECT_EQ(parse_spec("tiled=2147483647").tiled, 2147483647);
+  EXPECT_EQ(message("tiled=2147483648"),
+            "spec: tiled=2147483648: 34359738368 bytes of balls; ball numbers are 32-bit, so at most 2147483647 balls");
+  EXPECT_NE(message("tiled=4000000000").find("64000000000 bytes"), std::string::npos);
+  EXPECT_NE(message("n=500,frame=3,tiled=9").find("give one of the two"), std::string::npos);
+  EXPECT_NE(message("tiled=-1").find("must be a number from 0"), std::string::npos);
+}
+
 TEST(Spec, MistakesNameKeyAndRemedy) {
   EXPECT_EQ(message("n=0"), "spec: n=0: must be a number from 1 to 2147483647");
   EXPECT_EQ(message("n=3000000000"), "spec: n=3000000000: must be a number from 1 to 2147483647");
@@ -68,7 +86,7 @@ TEST(Spec, MistakesNameKeyAndRemedy) {
   EXPECT_EQ(message("c=nan"), "spec: c=nan: must be a number from 1 to 10000");
   EXPECT_EQ(message("n=5x"), "spec: n=5x: must be a number from 1 to 2147483647");
   EXPECT_EQ(message("mix=gravel"), "spec: mix=gravel: must be one of table1, uniform, bidisperse, power_law, scc30");
-  EXPECT_EQ(message("N=5"), "spec: N=5: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame");
+  EXPECT_EQ(message("N=5"), "spec: N=5: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, tiled");
   EXPECT_EQ(message("n=500,frame=101"), "spec: frame=101: must be a number from 0 to 100");
   EXPECT_NE(message("n=500,kind=loose,frame=3").find("loose packings are not settled"), std::string::npos);
   EXPECT_EQ(message("n=5,n=6"), "spec: n: given twice");

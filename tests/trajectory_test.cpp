@@ -145,7 +145,7 @@ TEST(Trajectory, RecordsTheFrameAndHowFullSpaceIs) {
   Frames f;
   const Case c = case_on_frame(find_detector("serial_levels"), 10);
   EXPECT_EQ(c.name(), "trajectory/best/serial_levels/c4_n20_f010/pairs/first_frame");
-  Json record = case_json(c, f.later.packing, f.later.facts, {}, measure(c, f.later));
+  Json record = case_json(c, f.later.label(), f.later.facts, {}, measure(c, f.later));
   EXPECT_EQ(record["frame"], 10);
   EXPECT_EQ(record["knowledge"], "first_frame");
   EXPECT_EQ(record["balls_a_cell_mean"], 20);  // a heap 0.19 wide in cells of 4

@@ -43,6 +43,9 @@ TEST(Workspace, OfGpuDetectorsIsWhatTheyAllocate) {
     const auto detector = info.make(facts, {}, stream);
     EXPECT_EQ(detector->workspace_bytes(), device_detail::allocated_bytes - before) << info.label();
     EXPECT_GT(detector->workspace_bytes(), 0) << info.label();
+    if (info.bytes) {
+      EXPECT_EQ(info.bytes(facts.n, facts, {}), detector->workspace_bytes()) << info.label() << ", said beforehand";
+    }
   }
 }
 
@@ -54,7 +57,27 @@ TEST(Workspace, OfCpuDetectorsIsWhatTheyHold) {
     const auto detector = info.make(facts, {}, stream);
     const auto held = static_cast<double>(heap_bytes - before), told = static_cast<double>(detector->workspace_bytes());
     EXPECT_NEAR(told, held, 0.02 * held + 1024) << info.label();  // members that are no arrays, and what malloc rounds up
+    EXPECT_EQ(info.bytes(facts.n, facts, {}), detector->workspace_bytes()) << info.label() << ", said beforehand";
   }
+}
+
+// Far beyond what this machine, or 32 bits, could hold: never less for more balls, never negative.
+TEST(Workspace, IsSaidBeforehandToFourThousandMillionBalls) {
+  const PackingFacts like = facts_of(balls());
+  for (const auto rows : {cpu_detectors(), gpu_detectors()})
+    for (const DetectorInfo& info : rows) {
+      if (!info.bytes || info.name == "all_pairs") continue;
+      const auto a_ball = static_cast<double>(info.bytes(like.n, like, {})) / like.n;
+      std::int64_t before = 1;
+      for (const std::int64_t n : {20'000ll, 1'000'000ll, 1'000'000'000ll, 2'147'483'647ll, 2'147'483'648ll, 4'000'000'000ll}) {
+        const std::int64_t bytes = info.bytes(n, like, {});
+        EXPECT_GE(bytes, before) << info.label() << " " << n;
+        // In proportion, or less where a method spares memory in large packings.
+        EXPECT_LT(static_cast<double>(bytes) / static_cast<double>(n), 1.01 * a_ball) << info.label() << " " << n;
+        EXPECT_GT(static_cast<double>(bytes) / static_cast<double>(n), 0.5 * a_ball) << info.label() << " " << n;
+        before = bytes;
+      }
+    }
 }
 
 }  // namespace

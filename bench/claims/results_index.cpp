@@ -195,6 +195,8 @@ bool is_known_field(const std::string& name) {
                                            "q3_us",
                                            "sample_count",
                                            "bytes_peak",
+                                           "bytes_workspace",
+                                           "tile_balls",
                                            "provenance",
                                            "frame",
                                            "regrown",

@@ -13,6 +13,7 @@
 #include "bench/report/figure9.h"
 #include "bench/report/library.h"
 #include "bench/report/marks.h"
+#include "bench/report/scale.h"
 #include "bench/report/polydispersity.h"
 #include "bench/report/study_tables.h"
 #include "bench/report/tables.h"
@@ -151,6 +152,20 @@ Section ablations(const Library& l) {
   return s;
 }
 
+Section scale(const Library& l) {
+  Section s{"scale", "Scale: from a thousand balls to a thousand million", {}, {}, l.missing("scale")};
+  s.text = {
+      "A settled packing repeated in a block of tiles and cut off at N balls. Contact sets are compared pair by pair up to ten "
+      "million "
+      "balls, above by count and hash with what all cores of the host count."};
+  for (const Device& d : l.of("scale")) {
+    for (Figure& f : scale_figures(d)) s.exhibits.push_back(l.exhibit(std::move(f), d));
+    for (Table& t : scale_tables(d)) s.exhibits.push_back(l.exhibit(std::move(t), d));
+    s.exhibits.push_back(l.all_cases(d));
+  }
+  return s;
+}
+
 Section fairness(const Library& l) {
   Section s{"fairness", "Fairness: seeds, order, knowledge, launch, cache, force pass, scale", {}, {}, l.missing("fairness")};
   s.text = {
@@ -228,6 +243,7 @@ Contents contents(const Sources& sources) {
                        occupancy(l),
                        ablations(l),
                        fairness(l),
+                       scale(l),
                        trajectory(l),
                        polydispersity(l),
                        machines(l)};

@@ -46,6 +46,9 @@ struct ContactList {
   std::uint64_t hash() const;  // design.md, contact_hash
 };
 
+// Ascending order, in time and memory linear in pairs and n: by i first, then each ball's few by j. All i in 0..n-1.
+void sort_pairs(std::vector<Pair>& pairs, std::int32_t n);
+
 // Sorts pairs as a detector wrote them (`pairs` form) and judges their shape. Throws std::logic_error that names the first
 // entry with i >= j, an index outside 0..n-1, or a duplicate: a detector that wrote it is wrong.
 ContactList from_pairs(std::vector<Pair> pairs, std::int32_t n);

@@ -1,6 +1,7 @@
 // The seam between methods and everything that tests, times and compares them.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -96,6 +97,9 @@ struct DetectorInfo {
   std::unique_ptr<Detector> (*make)(const PackingFacts& facts, const DetectorParams& params, Stream& stream);
   Finds finds = Finds::contacts;
   std::string_view ablation = "";  // what was taken out or turned round, for rows of gpu_ablations()
+  // workspace_bytes() of what `make` would build with these parameters for n balls packed as those of `like` (n = like.n:
+  // exactly; else its volume and cells grow with n), without allocating. Null where it cannot be said beforehand.
+  std::int64_t (*bytes)(std::int64_t n, const PackingFacts& like, const DetectorParams& params) = nullptr;
 
   std::string label() const {  // "multi_cell_bucket/paper", "multi_cell_bucket/paper/judge_off"
     std::string text(name);
@@ -104,6 +108,13 @@ struct DetectorInfo {
     return text;
   }
 };
+
+// For DetectorInfo::bytes: what `like_n` balls take, for n of them; exact for n = like_n, rounded up else.
+inline std::int64_t scaled_bytes(std::int64_t bytes, std::int64_t n, std::int64_t like_n) {
+  if (n == like_n || like_n == 0) return bytes;
+  return static_cast<std::int64_t>(
+      std::ceil(static_cast<double>(bytes) * (static_cast<double>(n) / static_cast<double>(like_n))));
+}
 
 std::span<const DetectorInfo> cpu_detectors();  // reference_cpu/detectors.cpp
 std::span<const DetectorInfo> gpu_detectors();  // kernels/detectors.cpp; `make` is null in builds without the kernels

@@ -10,6 +10,12 @@ struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// What was asked for does not fit into memory: one line with the bytes it needs and those that are free. Found before anything is
+// allocated.
+struct MemoryError : InputError {
+  using InputError::InputError;
+};
+
 // A GPU detector was asked for by name where no GPU can be used: one line that says why. Programs exit with kExitNoGpu.
 struct NoGpuError : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +23,9 @@ struct Packing {
 
 // XXH3-64 of the balls' bytes (16 a ball, little-endian): the packing's name in every result.
 std::uint64_t packing_hash(std::span<const Ball> balls);
+
+// The same of balls that come in parts: next() gives the following ones, an empty span after the last.
+std::uint64_t packing_hash(const std::function<std::span<const Ball>()>& next);
 
 // What a detector's construction may use. Each result lists which of these it did use (`case.known`).
 struct PackingFacts {
