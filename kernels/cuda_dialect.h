@@ -67,6 +67,10 @@ template <class Kernel>
 bool can_overlap(Kernel*) {
   return false;
 }
+template <class... Params>
+std::int64_t blocks_at_once(LaunchShape, void (*)(Params...)) {
+  return 1320;  // as an H100 would say of a search of `levels`, so that the double plans what a GPU does
+}
 inline void wait_for_kernel_before() {}
 inline void let_next_kernel_begin() {}
 
@@ -164,6 +168,17 @@ bool can_overlap(Kernel* kernel) {
   cudaFuncAttributes attributes{};
   check(cudaFuncGetAttributes(&attributes, kernel));
   return attributes.ptxVersion >= 90 && attributes.binaryVersion >= 90;
+}
+
+// Blocks of this shape that the current device runs at once.
+template <class... Params>
+std::int64_t blocks_at_once(LaunchShape shape, void (*kernel)(Params...)) {
+  dialect_detail::allow_shared(kernel, shape.shared_bytes);
+  int device = 0, multiprocessors = 0, blocks = 0;
+  check(cudaGetDevice(&device));
+  check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
+  check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, shape.threads, shape.shared_bytes));
+  return std::int64_t{multiprocessors} * blocks;
 }
 
 __device__ inline void wait_for_kernel_before() {

@@ -180,33 +180,43 @@ LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
   return work;
 }
 
-LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice) {
-  constexpr double kThreads =
-      1 << 16;  // with fewer, a large GPU has too few warps to switch between: then several threads a ball
+LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice,
+                                std::int64_t at_once) {
   std::vector<double> balls(grids.levels, 0);
   for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
 
-  LevelQueries queries;
-  std::int64_t blocks = 0;
-  const auto add = [&](int asking, int asked, int lane_bits) {
-    const std::int64_t own =
-        std::max<std::int64_t>(1, blocks_for(static_cast<std::int64_t>(balls[asking]) << lane_bits, threads));
-    queries.query[queries.count++] = {asking, asked, lane_bits, static_cast<std::int32_t>(blocks),
-                                      static_cast<std::int32_t>(own)};
-    blocks += own;
-  };
-  for (int asking = grids.levels - 1; asking >= 0; --asking) {
-    const LevelGrid& own = grids.level[asking];
-    for (int asked = 0; asked < asking; ++asked) {
-      const double rows = std::pow((own.radius + grids.level[asked].radius) * grids.level[asked].inv_yz + 2, 2);
-      const int planned = lane_bits_for(std::min(rows, facts.n < 100000 ? 32.0 : 16.0));
-      add(asking, asked, lane_bits_of("lanes_finer", choice.lanes_finer, planned));
+  // With so few threads or fewer a large GPU has too few warps to switch between: then several a ball.
+  constexpr double kThreads = 1 << 16;
+  double finest = std::clamp(kThreads / facts.n, 1.0, 8.0), own = finest, finer = 32;
+  const auto plan = [&] {
+    LevelQueries queries;
+    std::int64_t blocks = 0;
+    const auto add = [&](int asking, int asked, int lane_bits) {
+      const std::int64_t own_blocks =
+          std::max<std::int64_t>(1, blocks_for(static_cast<std::int64_t>(balls[asking]) << lane_bits, threads));
+      queries.query[queries.count++] = {asking, asked, lane_bits, static_cast<std::int32_t>(blocks),
+                                        static_cast<std::int32_t>(own_blocks)};
+      blocks += own_blocks;
+    };
+    for (int asking = grids.levels - 1; asking >= 0; --asking) {
+      for (int asked = 0; asked < asking; ++asked) {
+        const LevelGrid& g = grids.level[asked];
+        const double rows = std::pow((grids.level[asking].radius + g.radius) * g.inv_yz + 2, 2);
+        add(asking, asked, lane_bits_of("lanes_finer", choice.lanes_finer, lane_bits_for(std::min(rows, finer))));
+      }
+      if (asking > 0) add(asking, asking, lane_bits_of("lanes_own", choice.lanes_own, lane_bits_for(own)));
     }
-    const int planned = lane_bits_for(std::clamp(kThreads / facts.n, asking == 0 ? 1.0 : 4.0, 8.0));
-    add(asking, asking,
-        asking == 0 ? lane_bits_of("lanes_finest", choice.lanes_finest, planned)
-                    : lane_bits_of("lanes_own", choice.lanes_own, planned));
-  }
+    add(0, 0, lane_bits_of("lanes_finest", choice.lanes_finest, lane_bits_for(finest)));
+    return queries;
+  };
+  // A second wave of blocks takes as long as the first, however few they are.
+  LevelQueries queries = plan();
+  const auto fits = [&] {
+    const LevelQuery& last = queries.query[queries.count - 1];
+    return std::int64_t{last.first_block} + last.blocks <= at_once;
+  };
+  for (const auto& [lanes, least] : {std::pair{&finest, 1.0}, {&finer, 8.0}, {&own, 1.0}})
+    for (; !fits() && *lanes > least; queries = plan()) *lanes = std::max(*lanes / 2, least);
   return queries;
 }
 

@@ -87,7 +87,9 @@ struct LevelCosts {
   static constexpr double kOwn = 200, kFiner = 1000, kRow = 35, kTest = 14, kTestOfSeveral = 18;
 };
 
-// The searches for balls as many as the facts say, in blocks of `threads`. Throws InputError as above.
-LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {});
+// The searches for balls as many as the facts say, in blocks of `threads`, of which the device runs `at_once` together: as many
+// threads a ball as run together, but no fewer than large packings take. Throws InputError as above.
+LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {},
+                                std::int64_t at_once = 1320);
 
 }  // namespace touchstone

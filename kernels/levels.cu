@@ -27,134 +27,202 @@
 namespace touchstone {
 namespace {
 
-constexpr int kHits = 8;  // contacts that a thread keeps before all of its block write; one with more asks again
+constexpr int kHits = 8;    // contacts that a thread keeps until its block has found all; one with more asks again, and writes
+constexpr int kRanges = 6;  // rows of cells that a thread looks up before it tests their balls
+
+// The balls of one row of cells within reach.
+struct alignas(8) Places {
+  std::int32_t first, end;
+};
+
+// A thread's lists in shared memory: entry k is [k * step].
+struct Lists {
+  Places* range;      // kRanges, and one more that ends the list
+  std::int32_t* hit;  // kHits, and one more that takes what there is no room for
+  int step;           // threads a block
+
+  static __host__ __device__ std::size_t bytes(int threads) {
+    return ((kRanges + 1) * sizeof(Places) + (kHits + 1) * sizeof(std::int32_t)) * static_cast<std::size_t>(threads);
+  }
+  static __device__ Lists open() {
+    const int step = static_cast<int>(blockDim.x);
+    Places* const range = dynamic_shared<Places>();
+    return {range + threadIdx.x, reinterpret_cast<std::int32_t*>(range + (kRanges + 1) * step) + threadIdx.x, step};
+  }
+};
 
 // A ball that asks: where it stands, and which of the rows of cells within its reach this thread takes.
 struct Asking {
   Ball ball;
-  std::int32_t place;
+  std::int32_t place, number;
   std::int32_t y, z;  // row of its level in which it was filed; used where it asks that level
   int lane, lanes;    // rows lane, lane + lanes, …
 };
 
-// The ball asks level `asked`, which is its own or a finer one; emit() for each contact that is its to find, with the other's
-// number where that level was planned for one radius, else with its place.
-template <class Emit>
-__device__ inline void ask(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Asking& a, int asked,
-                           bool own, float drift, Emit&& emit) {
-  const LevelGrid& g = grids.level[asked];
+// What a thread asks: level `grid`, its ball's own or a finer one.
+struct Asked {
+  LevelGrid grid;
+  bool own, alike;
+  float drift;
+};
+
+// Rows of cells within a ball's reach that its thread has still to look up.
+struct Rows {
+  std::int32_t entry, span;          // of the next row: its first cell in reach, and how many entries on its balls end
+  std::int32_t left, left_in_layer;  // rows with this one; rows after it at its z
+  std::int32_t width, jump;          // rows in reach at one z; entries to skip from one z to the next
+};
+
+__device__ inline Rows rows_in_reach(const LevelGrids& grids, const Asking& a, const Asked& asked, float reach) {
+  const LevelGrid& g = asked.grid;
   const Ball& me = a.ball;
-  const float sum = add(me.r, g.radius), reach = pad(add(sum, drift));
-  const float most = mul(sum, sum);  // of the squared distance, where all have the level's radius
   const std::int32_t x_lo = cell_coordinate(sub(me.x, reach), grids.x0, g.inv_x, g.nx);
-  const std::int32_t x_hi = cell_coordinate(add(me.x, reach), grids.x0, g.inv_x, g.nx) + 1;
+  const std::int32_t x_hi = cell_coordinate(add(me.x, reach), grids.x0, g.inv_x, g.nx);
   const std::int32_t y_lo = cell_coordinate(sub(me.y, reach), grids.y0, g.inv_yz, g.ny);
   const std::int32_t y_hi = cell_coordinate(add(me.y, reach), grids.y0, g.inv_yz, g.ny);
   const std::int32_t z_hi = cell_coordinate(add(me.z, reach), grids.z0, g.inv_yz, g.nz);
   // Of its own level a ball asks the rest of its own row, and the rows after it.
-  std::int32_t y = y_lo, z = cell_coordinate(sub(me.z, reach), grids.z0, g.inv_yz, g.nz);
-  bool own_row = own && a.lane == 0;
-  if (own) y = a.y, z = a.z;
-  const std::int32_t width = y_hi - y_lo + 1, stride = g.nx + 1;
-  for (y += a.lane; y > y_hi; y -= width) ++z;
-  std::int32_t row = g.first_entry + (z * g.ny + y) * stride;  // its first entry
+  const std::int32_t y = asked.own ? a.y : y_lo;
+  const std::int32_t z = asked.own ? a.z : cell_coordinate(sub(me.z, reach), grids.z0, g.inv_yz, g.nz);
+  const std::int32_t width = y_hi - y_lo + 1, stride = g.nx + 1, jump = (g.ny - width) * stride;
+  Rows rows{g.first_entry + (z * g.ny + y + a.lane) * stride + x_lo,
+            x_hi - x_lo + 1,
+            (z_hi - z) * width + y_hi - y + 1 - a.lane,
+            y_hi - y - a.lane,
+            width,
+            jump};
+  for (; rows.left_in_layer < 0; rows.left_in_layer += width) rows.entry += jump;
+  return rows;
+}
+
+// The ball asks the level. test(touches, found) for each ball tested: whether it is a contact, with the other's number where that
+// level was planned for one radius, else with its place.
+template <class Test>
+__device__ inline void ask(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Lists& lists,
+                           const Asking& a, const Asked& asked, Test&& test) {
+  const Ball& me = a.ball;
+  const float sum = add(me.r, asked.grid.radius);
+  const float most = mul(sum, sum);  // of the squared distance, where all have the level's radius
   // in_contact(), with one sum of radii for all.
   const auto touches_alike = [&](const PlacedBall& o) {
     const float dx = sub(me.x, o.x), dy = sub(me.y, o.y), dz = sub(me.z, o.z);
     return add(add(mul(dx, dx), mul(dy, dy)), mul(dz, dz)) < most;
   };
-  const bool numbered = g.one_radius, alike = index.state[asked].alike != 0;
+  const bool numbered = asked.grid.one_radius;
   const auto touches = [&](const PlacedBall& o) {
     const float radius = numbered ? in[o.number_or_radius].r : __int_as_float(o.number_or_radius);
     return in_contact(me, Ball{o.x, o.y, o.z, radius});
   };
-  while (z <= z_hi) {
-    std::int32_t q = own_row ? a.place + 1 : index.start[row + x_lo];
-    const std::int32_t last = index.start[row + x_hi];
-    own_row = false;
-    for (y += a.lanes, row += a.lanes * stride; y > y_hi; y -= width) ++z, row += (g.ny - width) * stride;
-    if (alike) {
-      for (; q + 1 < last; q += 2) {
-        const PlacedBall o = index.ball[q], next = index.ball[q + 1];
-        if (touches_alike(o)) emit(o.number_or_radius);
-        if (touches_alike(next)) emit(next.number_or_radius);
-      }
-      if (q < last) {
-        const PlacedBall o = index.ball[q];
-        if (touches_alike(o)) emit(o.number_or_radius);
+  Rows rows = rows_in_reach(grids, a, asked, pad(add(sum, asked.drift)));
+  const std::int32_t step = a.lanes * (asked.grid.nx + 1);
+  bool own_row = asked.own && a.lane == 0;
+  while (rows.left > 0) {
+    int ranges = 0;
+    std::int32_t left = 0;  // balls in them
+#pragma unroll 1
+    do {
+      const Places places{own_row ? a.place + 1 : index.start[rows.entry], index.start[rows.entry + rows.span]};
+      own_row = false;
+      rows.entry += step, rows.left -= a.lanes;
+      for (rows.left_in_layer -= a.lanes; rows.left_in_layer < 0; rows.left_in_layer += rows.width) rows.entry += rows.jump;
+      lists.range[ranges * lists.step] = places;
+      left += places.end - places.first;
+      ranges += places.first < places.end;
+    } while (ranges < kRanges && rows.left > 0);
+    if (left == 0) continue;
+    // One loop over the balls of all ranges, so that a warp's threads stay together: two a step, fetched at once.
+    lists.range[ranges * lists.step] = {a.place, a.place};
+    int next = 0;
+    Places range{0, 0};
+    const auto next_place = [&] {
+      if (range.first == range.end) range = lists.range[next], next += lists.step;
+      return range.first++;
+    };
+    if (asked.alike) {
+#pragma unroll 1
+      for (; left > 0; left -= 2) {
+        const PlacedBall o = index.ball[next_place()], second = index.ball[next_place()];
+        test(touches_alike(o), o.number_or_radius);
+        test(left > 1 && touches_alike(second), second.number_or_radius);
       }
     } else {
-      for (; q + 1 < last; q += 2) {
-        const PlacedBall o = index.ball[q], next = index.ball[q + 1];
-        if (touches(o)) emit(numbered ? o.number_or_radius : q);
-        if (touches(next)) emit(numbered ? next.number_or_radius : q + 1);
-      }
-      if (q < last) {
-        const PlacedBall o = index.ball[q];
-        if (touches(o)) emit(numbered ? o.number_or_radius : q);
+#pragma unroll 1
+      for (; left > 0; left -= 2) {
+        const std::int32_t at = next_place(), second_at = next_place();
+        const PlacedBall o = index.ball[at], second = index.ball[second_at];
+        test(touches(o), numbered ? o.number_or_radius : at);
+        test(left > 1 && touches(second), numbered ? second.number_or_radius : second_at);
       }
     }
   }
 }
 
-// Where a block's threads put their contacts: each has room for kHits in shared memory.
-struct HitLists {
-  std::int32_t* slot;  // [kHits * threads]: entry k of thread t is slot[k * threads + t]
-
-  static std::size_t bytes(int threads) { return sizeof(std::int32_t) * kHits * threads; }
-  __device__ std::int32_t& at(int k) const { return slot[k * static_cast<int>(blockDim.x) + static_cast<int>(threadIdx.x)]; }
-};
-
-// All threads of the block together: writes ball i's `hits` contacts of each thread, whose others are named by place if `number`
-// is not null. Whether any thread has `more`.
-__device__ inline bool write_hits(const HitLists& lists, const std::int32_t* number, std::int32_t i, int hits, bool more,
-                                  const ContactsView& out) {
-  constexpr std::int32_t kMore = 1 << 30;  // a flag that travels with a warp's sum
+// All threads of the block together: the first of so many places in the list, for this thread.
+__device__ inline std::int64_t take_places(std::int64_t* count, std::int32_t hits) {
   __shared__ std::int32_t in_warp[kWarpSize];
   __shared__ std::int64_t block_first;
   const int warp = static_cast<int>(threadIdx.x) / kWarpSize, warps = static_cast<int>(blockDim.x) / kWarpSize;
-  if (number)
-    for (int k = 0; k < hits; ++k) lists.at(k) = number[lists.at(k)];
   const std::int32_t up_to = sum_up_to_lane(hits);
-  const bool warp_has_more = __any_sync(kFullWarp, more);
-  if (threadIdx.x % kWarpSize == kWarpSize - 1) in_warp[warp] = up_to | (warp_has_more ? kMore : 0);
+  if (threadIdx.x % kWarpSize == kWarpSize - 1) in_warp[warp] = up_to;
   __syncthreads();
-  std::int32_t before = 0, all = 0, flags = 0;
+  std::int32_t before = 0, all = 0;
+#pragma unroll 1
   for (int w = 0; w < warps; ++w) {
     if (w == warp) before = all;
-    all += in_warp[w] & (kMore - 1);
-    flags |= in_warp[w] & kMore;
+    all += in_warp[w];
   }
-  if (out.form == OutputForm::ball_lists) {
-    for (int k = 0; k < hits; ++k) write_contact(out, i, lists.at(k));
-    __syncthreads();
-    return flags != 0;
-  }
-  if (threadIdx.x == 0 && all > 0) block_first = atomic_add(out.count, all);
+  if (threadIdx.x == 0 && all > 0) block_first = atomic_add(count, all);
   __syncthreads();
-  const std::int64_t first = block_first + before + up_to - hits;
-  for (int k = 0; k < hits; ++k) {
-    const std::int32_t j = lists.at(k);
-    write_pair(out, first + k, i < j ? Pair{i, j} : Pair{j, i});
-  }
-  return flags != 0;
+  return block_first + before + up_to - hits;
 }
 
-// The ball at `place` of level `asking`, its number, and what it asks with.
-struct Asker {
-  Asking asking;
-  std::int32_t number;
-};
-__device__ inline Asker asker(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, int level, bool alike,
-                              std::int32_t place, int lane, int lanes) {
-  const LevelGrid& g = grids.level[level];
+// The ball at `place`, filed in level `g`, and what it asks with.
+__device__ inline Asking asking_at(const Ball* in, const LevelGrids& grids, const LevelGrid& g, const SortedLevelsView& index,
+                                   bool alike, bool own, std::int32_t place, int lane, int lanes) {
   const PlacedBall b = index.ball[place];
   const std::int32_t number = g.one_radius ? b.number_or_radius : index.number[place];
   float radius = g.radius;
   if (!alike) radius = g.one_radius ? in[number].r : __int_as_float(b.number_or_radius);
-  std::int32_t y = cell_coordinate(b.y, grids.y0, g.inv_yz, g.ny), z = cell_coordinate(b.z, grids.z0, g.inv_yz, g.nz);
-  if (index.row) y = index.row[place] % g.ny, z = index.row[place] / g.ny;  // it may have moved since
-  return {{Ball{b.x, b.y, b.z, radius}, place, y, z, lane, lanes}, number};
+  std::int32_t y = 0, z = 0;
+  if (own && index.row) {  // it may have moved since
+    y = index.row[place] % g.ny, z = index.row[place] / g.ny;
+  } else if (own) {
+    y = cell_coordinate(b.y, grids.y0, g.inv_yz, g.ny), z = cell_coordinate(b.z, grids.z0, g.inv_yz, g.nz);
+  }
+  return {Ball{b.x, b.y, b.z, radius}, place, number, y, z, lane, lanes};
+}
+
+// The pair that a ball makes with what ask() found.
+__device__ inline Pair pair_of(const Asking& a, const Asked& asked, const SortedLevelsView& index, std::int32_t found) {
+  const std::int32_t j = asked.grid.one_radius ? found : index.number[found];
+  return a.number < j ? Pair{a.number, j} : Pair{j, a.number};
+}
+
+// All threads of the block together, each with a ball that asks or without. Contacts of a block lie side by side.
+__device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Lists& lists,
+                                      const Asking& a, const Asked& asked, bool asks, const ContactsView& out) {
+  std::int32_t hits = 0;
+  if (asks)
+    ask(in, grids, index, lists, a, asked, [&](bool touches, std::int32_t found) {
+      lists.hit[min(hits, kHits) * lists.step] = found;  // the next one overwrites it if this is none
+      hits += touches;
+    });
+  std::int64_t at = out.form == OutputForm::pairs ? take_places(out.count, hits) : 0;
+  const auto write = [&](std::int32_t found) {
+    const Pair pair = pair_of(a, asked, index, found);
+    if (out.form == OutputForm::pairs)
+      write_pair(out, at++, pair);
+    else
+      write_contact(out, pair.i, pair.j);
+  };
+  if (hits <= kHits) {
+#pragma unroll 1
+    for (int k = 0; k < hits; ++k) write(lists.hit[k * lists.step]);
+  } else {
+    ask(in, grids, index, lists, a, asked, [&](bool touches, std::int32_t found) {
+      if (touches) write(found);
+    });
+  }
 }
 
 enum class Write {
@@ -165,56 +233,42 @@ enum class Write {
 
 // A block serves one query; its threads, `lanes` a ball, the balls of a level in the order of their places.
 template <Write kWrite>
-__global__ void __maxnreg__(40)
+__global__ void __maxnreg__(48)
     search_kernel(const Ball* in, const __grid_constant__ LevelGrids grids, const __grid_constant__ LevelQueries queries,
                   SortedLevelsView index, ContactsView out, std::int64_t* row_end) {
-  const HitLists lists{dynamic_shared<std::int32_t>()};
+  const Lists lists = Lists::open();
   int q = 0;
   while (q + 1 < queries.count && static_cast<std::int32_t>(blockIdx.x) >= queries.query[q + 1].first_block) ++q;
   const LevelQuery& query = queries.query[q];
   const int lanes = 1 << query.lane_bits, lane = static_cast<int>(threadIdx.x) & (lanes - 1);
-  const int balls_a_block = static_cast<int>(blockDim.x) >> query.lane_bits;
-  const bool own_level = query.asking == query.asked;
-  const std::int32_t* const number = grids.level[query.asked].one_radius ? nullptr : index.number;
+  const std::uint32_t balls_a_block = blockDim.x >> query.lane_bits;
+  const LevelGrid& own_grid = grids.level[query.asking];
+  Asked asked{grids.level[query.asked], query.asking == query.asked, false, 0};
   wait_for_kernel_before();
   const LevelState own = index.state[query.asking];
-  const float drift = index.row ? index.drift->now : 0;
+  asked.alike = index.state[query.asked].alike != 0;
+  asked.drift = index.row ? index.drift->now : 0;
   if (kWrite != Write::count && index.row && blockIdx.x == 0 && threadIdx.x == 0)
-    index.drift->before = drift, index.drift->step = 0;
-  // Once, unless a level holds more balls than construction knew.
-  std::int64_t first = std::int64_t{static_cast<std::int32_t>(blockIdx.x) - query.first_block} * balls_a_block;
-  for (; first < own.balls; first += std::int64_t{query.blocks} * balls_a_block) {
-    const std::int64_t k = first + (threadIdx.x >> query.lane_bits);
-    const auto place = static_cast<std::int32_t>(own.first + k);
-    if (kWrite != Write::as_found) {
-      if (k >= own.balls) continue;
-      const Asker me = asker(in, grids, index, query.asking, own.alike != 0, place, lane, lanes);
-      ask(in, grids, index, me.asking, query.asked, own_level, drift, [&](std::int32_t found) {
-        const std::int32_t j = number ? number[found] : found;
-        const Pair pair = me.number < j ? Pair{me.number, j} : Pair{j, me.number};
+    index.drift->before = asked.drift, index.drift->step = 0;
+  // Once, unless a level holds more balls than construction knew. (No sum here reaches 2^32.)
+  const auto balls = static_cast<std::uint32_t>(own.balls);
+  const std::uint32_t balls_a_turn = static_cast<std::uint32_t>(query.blocks) * balls_a_block;
+  for (std::uint32_t first = (blockIdx.x - query.first_block) * balls_a_block; first < balls; first += balls_a_turn) {
+    const std::uint32_t k = first + (threadIdx.x >> query.lane_bits);
+    const bool asks = k < balls;
+    Asking a{};
+    if (asks)
+      a = asking_at(in, grids, own_grid, index, own.alike != 0, asked.own, own.first + static_cast<std::int32_t>(k), lane, lanes);
+    if (kWrite == Write::as_found) {
+      write_as_found(in, grids, index, lists, a, asked, asks, out);
+    } else if (asks) {
+      ask(in, grids, index, lists, a, asked, [&](bool touches, std::int32_t found) {
+        if (!touches) return;
+        const Pair pair = pair_of(a, asked, index, found);
         const std::int64_t at = atomic_add(&row_end[pair.i], 1);
         if (kWrite == Write::to_rows) write_pair(out, at, pair);
       });
-      continue;
     }
-    std::int32_t i = 0;
-    int written = 0;
-    bool again = false;
-    do {  // once, unless a thread finds more than its list holds
-      int hits = 0;
-      if (k < own.balls) {
-        const Asker me = asker(in, grids, index, query.asking, own.alike != 0, place, lane, lanes);
-        i = me.number;
-        ask(in, grids, index, me.asking, query.asked, own_level, drift, [&](std::int32_t found) {
-          const int at = hits++ - written;
-          if (at >= 0 && at < kHits) lists.at(at) = found;
-        });
-      }
-      const int now = min(hits - written, kHits);
-      written += now;
-      again = write_hits(lists, number, i, now, hits > written, out);
-    } while (again);
-    __syncthreads();
   }
 }
 
@@ -226,7 +280,9 @@ class Levels : public Detector {
         updates_(options.updates),
         index_(facts, params, options, stream) {
     if (n_ == 0) return;
-    queries_ = plan_level_queries(facts, index_.grids(), threads_narrow_, options.choice);
+    const LaunchShape block{1, threads_narrow_, Lists::bytes(threads_narrow_)};
+    queries_ = plan_level_queries(facts, index_.grids(), threads_narrow_, options.choice,
+                                  blocks_at_once(block, search_kernel<Write::as_found>));
     if (options.reproducible) rows_.emplace(n_, stream);
   }
 
@@ -247,7 +303,7 @@ class Levels : public Detector {
 
   std::vector<KernelFacts> kernels(OutputForm) const override {
     std::vector<KernelFacts> all = index_.kernels();
-    all.push_back(kernel_facts("search_kernel", "narrow", {1, threads_narrow_, HitLists::bytes(threads_narrow_)},
+    all.push_back(kernel_facts("search_kernel", "narrow", {1, threads_narrow_, Lists::bytes(threads_narrow_)},
                                search_kernel<Write::as_found>));
     return all;
   }
@@ -260,7 +316,7 @@ class Levels : public Detector {
  private:
   void search(BallsView in, ContactsView out, Stream& stream) {
     const LevelQuery& last = queries_.query[queries_.count - 1];
-    const LaunchShape shape{last.first_block + last.blocks, threads_narrow_, HitLists::bytes(threads_narrow_)};
+    const LaunchShape shape{last.first_block + last.blocks, threads_narrow_, Lists::bytes(threads_narrow_)};
     const auto run = [&](auto kernel, std::int64_t* row_end) {
       launch_after(index_.overlaps(), stream, shape, kernel, in.data, index_.grids(), queries_, index_.view(), out, row_end);
     };

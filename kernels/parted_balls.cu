@@ -11,7 +11,9 @@ namespace touchstone {
 namespace {
 
 constexpr int kSide = 32, kRegions = kSide * kSide;
-constexpr int kThreads = 512, kEach = 16, kTile = kThreads * kEach;
+constexpr int kThreads = 512, kEach = 16, kTile = kThreads * kEach;  // of region_count_kernel
+constexpr int kPartThreads = kRegions, kPartEach = 8, kPartTile = kPartThreads * kPartEach;
+constexpr std::size_t kPartBytes = (sizeof(Ball) + sizeof(std::uint32_t)) * kPartTile;
 constexpr int kStretches = 8, kStretch = 1024;
 // Distinct regions in all stretches: of shuffled balls about 650 a stretch, of balls in any spatial order few.
 constexpr std::int32_t kMostTogether = 256 * kStretches;
@@ -58,40 +60,52 @@ __global__ void region_count_kernel(BallsView in, Regions regions, const std::in
 // One block, a thread a region: counts become each region's first place.
 __global__ void region_first_kernel(std::int32_t* fill) {
   __shared__ std::int32_t in_warp[kWarpSize];
-  const int lane = static_cast<int>(threadIdx.x) % kWarpSize, warp = static_cast<int>(threadIdx.x) / kWarpSize;
-  const std::int32_t own = fill[threadIdx.x], up_to = sum_up_to_lane(own);
-  if (lane == kWarpSize - 1) in_warp[warp] = up_to;
-  __syncthreads();
-  std::int32_t before = 0;
-  for (int w = 0; w < warp; ++w) before += in_warp[w];
-  fill[threadIdx.x] = before + up_to - own;
+  const std::int32_t own = fill[threadIdx.x];
+  fill[threadIdx.x] = sum_up_to_block(own, in_warp) - own;
 }
 
-// A block a tile: its balls to their regions, which it takes room in.
-__global__ void part_kernel(BallsView in, Regions regions, const std::int32_t* scattered, std::int32_t* fill, Ball* parted,
-                            std::int32_t* number) {
-  __shared__ std::int32_t place[kRegions];  // first how many, then where
+// A block a tile: its balls to their regions, which it takes room in; put in order in shared memory first, so that what goes to
+// one region is written side by side.
+__global__ void __launch_bounds__(kPartThreads) part_kernel(BallsView in, Regions regions, const std::int32_t* scattered,
+                                                            std::int32_t* fill, Ball* parted, std::int32_t* number) {
+  __shared__ std::int32_t counted[kRegions], shift[kRegions], in_warp[kWarpSize];
   if (*scattered == 0) return;
-  for (int r = threadIdx.x; r < kRegions; r += blockDim.x) place[r] = 0;
+  Ball* const staged = dynamic_shared<Ball>();
+  auto* const tag = reinterpret_cast<std::uint32_t*>(staged + kPartTile);  // region, and which of the tile's balls
+  const int t = static_cast<int>(threadIdx.x);
+  counted[t] = 0;
   __syncthreads();
-  const std::int64_t first = std::int64_t{kTile} * blockIdx.x + threadIdx.x;
-  std::int32_t rank[kEach], region[kEach];
-  for (int k = 0; k < kEach; ++k) {
-    const std::int64_t i = first + k * kThreads;
+  const std::int64_t first = std::int64_t{kPartTile} * blockIdx.x;
+  Ball ball[kPartEach];
+  std::int32_t rank[kPartEach], region[kPartEach];
+  for (int k = 0; k < kPartEach; ++k) {
+    const std::int64_t i = first + k * kPartThreads + t;
+    if (i < in.n) ball[k] = in.data[i];
+  }
+  for (int k = 0; k < kPartEach; ++k) {
+    const std::int64_t i = first + k * kPartThreads + t;
     if (i >= in.n) continue;
-    region[k] = regions.of(in.data[i]);
-    rank[k] = atomicAdd(&place[region[k]], 1);
+    region[k] = regions.of(ball[k]);
+    rank[k] = atomicAdd(&counted[region[k]], 1);
   }
   __syncthreads();
-  for (int r = threadIdx.x; r < kRegions; r += blockDim.x)
-    if (place[r]) place[r] = atomicAdd(&fill[r], place[r]);
+  // A thread a region: where it begins in the tile, and how far from there to its places.
+  const std::int32_t own = counted[t], up_to = sum_up_to_block(own, in_warp);
+  counted[t] = up_to - own;
+  if (own) shift[t] = atomicAdd(&fill[t], own) - (up_to - own);
   __syncthreads();
-  for (int k = 0; k < kEach; ++k) {
-    const std::int64_t i = first + k * kThreads;
-    if (i >= in.n) continue;
-    const std::int32_t at = place[region[k]] + rank[k];
-    parted[at] = in.data[i];
-    number[at] = static_cast<std::int32_t>(i);
+  for (int k = 0; k < kPartEach; ++k) {
+    if (first + k * kPartThreads + t >= in.n) continue;
+    const std::int32_t at = counted[region[k]] + rank[k];
+    staged[at] = ball[k];
+    tag[at] = static_cast<std::uint32_t>(region[k]) * kPartTile + k * kPartThreads + t;
+  }
+  __syncthreads();
+  const int balls = static_cast<int>(min(std::int64_t{kPartTile}, in.n - first));
+  for (int k = t; k < balls; k += kPartThreads) {
+    const std::int32_t at = k + shift[tag[k] / kPartTile];
+    parted[at] = staged[k];
+    number[at] = static_cast<std::int32_t>(first) + static_cast<std::int32_t>(tag[k] % kPartTile);
   }
 }
 
@@ -119,7 +133,8 @@ BallSource PartedBalls::part(BallsView in, Room room, Stream& stream) {
   launch(stream, {1, 32}, decide_kernel, scattered);
   launch(stream, tiles, region_count_kernel, in, regions, scattered, fill);
   launch(stream, {1, kRegions}, region_first_kernel, fill);
-  launch(stream, tiles, part_kernel, in, regions, scattered, fill, ball, number);
+  launch(stream, {blocks_for(in.n, kPartTile), kPartThreads, kPartBytes}, part_kernel, in, regions, scattered, fill, ball,
+         number);
   return {in.data, in.n, scattered, ball, number};
 }
 
@@ -128,7 +143,7 @@ std::int64_t PartedBalls::bytes() { return sizeof(std::int32_t) * (kRegions + 1)
 std::vector<KernelFacts> PartedBalls::kernels() {
   return {kernel_facts("look_kernel", "part", {kStretches, 256}, look_kernel),
           kernel_facts("region_count_kernel", "part", {1, kThreads}, region_count_kernel),
-          kernel_facts("part_kernel", "part", {1, kThreads}, part_kernel)};
+          kernel_facts("part_kernel", "part", {1, kPartThreads, kPartBytes}, part_kernel)};
 }
 
 }  // namespace touchstone

@@ -76,11 +76,12 @@ __global__ void count_kernel(BallSource source, const __grid_constant__ LevelGri
   if (!files(index, always)) return;
   int level = -1;
   bool is_odd = false;
+  std::int32_t rank = 0;
   if (k < source.n) {
     level = grids.level_of(b.r);
     const LevelGrid& g = grids.level[level];
     is_odd = g.one_radius && b.r != g.radius;
-    index.rank[k] = atomicAdd(&index.count[entry_of(grids, g, b) + 1], 1);
+    rank = atomicAdd(&index.count[entry_of(grids, g, b) + 1], 1);  // on its way while levels are counted
   }
   __syncthreads();
   const bool leader = threadIdx.x % kWarpSize == 0;
@@ -94,6 +95,7 @@ __global__ void count_kernel(BallSource source, const __grid_constant__ LevelGri
   const int l = static_cast<int>(threadIdx.x);
   if (l < grids.levels && counted[l]) atomicAdd(&index.counted[l], counted[l]);
   if (l < grids.levels && odd[l]) atomicAdd(&index.odd[l], odd[l]);
+  if (k < source.n) index.rank[k] = rank;
 }
 
 // Where level l's places begin: coarser levels come before it.
@@ -121,23 +123,34 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   wait_for_kernel_before();
   if (!files(index, always)) return;
 
+  // What is held: of each cell, the balls of its row before it.
   std::int32_t held[kChunksInHand], balls = 0;
   for (int k = 0; k < kChunksInHand; ++k) {
     const std::int32_t x = k * kWarpSize + lane;
-    balls += held[k] = x < cells ? count[x] : 0;
+    held[k] = x < cells ? count[x] : 0;
   }
-  for (std::int32_t x = kChunksInHand * kWarpSize + lane; x < cells; x += kWarpSize) balls += count[x];
-  balls = sum_up_to_lane(balls);
-  if (lane == kWarpSize - 1) before_row[warp] = balls;
+  for (int k = 0; k < kChunksInHand; ++k) {
+    const std::int32_t up_to = sum_up_to_lane(held[k]);
+    held[k] = balls + up_to - held[k];
+    balls += __shfl_sync(kFullWarp, up_to, kWarpSize - 1);
+  }
+  const std::int32_t balls_held = balls;
+  std::int32_t others = 0;
+  for (std::int32_t x = kChunksInHand * kWarpSize + lane; x < cells; x += kWarpSize) others += count[x];
+  if (cells > kChunksInHand * kWarpSize) balls += __shfl_sync(kFullWarp, sum_up_to_lane(others), kWarpSize - 1);
+  if (lane == 0) before_row[warp] = balls;
   __syncthreads();
   if (warp == 0) {
     const std::int32_t own = lane < warps ? before_row[lane] : 0, up_to = sum_up_to_lane(own);
     __syncwarp();
     if (lane < warps) before_row[lane] = up_to - own;
-    if (lane == kWarpSize - 1) block_first = first_place(grids, index, l) + (up_to ? atomicAdd(&index.taken[l], up_to) : 0);
+    if (lane == kWarpSize - 1) {
+      const std::int32_t taken = up_to ? atomicAdd(&index.taken[l], up_to) : 0;  // on its way while counts are summed
+      block_first = first_place(grids, index, l) + taken;
+    }
   }
-  if (blockIdx.x == 0 && threadIdx.x < static_cast<unsigned>(grids.levels)) {
-    const int own = static_cast<int>(threadIdx.x);
+  if (blockIdx.x == 0 && warp == warps - 1 && lane < grids.levels) {  // another warp, where there is one
+    const int own = lane;
     const std::int32_t first = first_place(grids, index, own);
     index.state[own] = {first, own == 0 ? n - first : index.counted[own], grids.level[own].one_radius && index.odd[own] == 0};
   }
@@ -147,21 +160,28 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   std::int32_t place = block_first + before_row[warp];
   std::int32_t* const start = index.start + first_entry;
   const bool clears = index.count != index.start;
-  for (std::int32_t x0 = 0; x0 < cells; x0 += kWarpSize) {
-    const std::int32_t x = x0 + lane;
-    std::int32_t own = 0;
-    if (x0 >= kChunksInHand * kWarpSize) {
-      own = x < cells ? count[x] : 0;
-      __syncwarp();  // in place, the next lane's start lies where this count lay
-    }
-    for (int k = 0; k < kChunksInHand; ++k)
-      if (x0 == k * kWarpSize) own = held[k];
-    const std::int32_t up_to = sum_up_to_lane(own);
+  for (int k = 0; k < kChunksInHand; ++k) {
+    const std::int32_t x = k * kWarpSize + lane;
+    if (x < cells) start[x] = place + held[k];
+    if (x < cells && clears) count[x] = 0;
+  }
+  place += balls_held;
+  for (std::int32_t x0 = kChunksInHand * kWarpSize; x0 < cells; x0 += kWarpSize) {
+    const std::int32_t x = x0 + lane, own = x < cells ? count[x] : 0, up_to = sum_up_to_lane(own);
+    __syncwarp();  // in place, the next lane's start lies where this count lay
     if (x < cells) start[x] = place + up_to - own;
     if (x < cells && clears) count[x] = 0;
     place += __shfl_sync(kFullWarp, up_to, kWarpSize - 1);
   }
   if (real && lane == 0) start[cells] = place;
+}
+
+__device__ inline void put(const SortedLevelsView& index, const LevelGrids& grids, const LevelGrid& g, const Sourced& s,
+                           std::int32_t place) {
+  const Ball& b = s.ball;
+  index.ball[place] = {b.x, b.y, b.z, g.one_radius ? s.number : __float_as_int(b.r)};
+  if (!g.one_radius) index.number[place] = s.number;
+  if (index.row) index.row[place] = row_of(grids, g, b);
 }
 
 // One thread a ball: moves it to its place. Clears what the kernels before have counted by, and settles the drift.
@@ -179,16 +199,20 @@ __global__ void move_kernel(BallSource source, const __grid_constant__ LevelGrid
   if (!refiles) return;
   if (k < grids.levels) index.counted[k] = index.odd[k] = index.taken[k] = 0;
   if (k >= source.n) return;
-  const std::int32_t place = index.start[entry] + index.rank[k];
-  index.ball[place] = {b.x, b.y, b.z, g.one_radius ? s.number : __float_as_int(b.r)};
-  if (!g.one_radius) index.number[place] = s.number;
-  if (index.row) index.row[place] = row_of(grids, g, b);
+  put(index, grids, g, s, index.start[entry] + index.rank[k]);
 }
 
 bool any_of_several_radii(const LevelGrids& grids) {
   for (int l = 0; l < grids.levels; ++l)
     if (!grids.level[l].one_radius) return true;
   return false;
+}
+
+// Large packings are bound by bytes: half as many cells there.
+LevelChoice choice_for(std::int64_t n, const LevelOptions& options) {
+  LevelChoice choice = options.choice;
+  if (choice.cell_x == 0 && n >= options.large_from) choice.cell_x = 2;
+  return choice;
 }
 
 // An update that files nothing must find the starts as they were: it keeps the counts apart.
@@ -211,7 +235,7 @@ Room room_of(const ContactsView& out) {
 SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
     : n_(facts.n), threads_(threads_or("levels", params.threads_broad, 256)), options_(options) {
   if (n_ == 0) return;
-  grids_ = plan_level_grids(facts, threads_ / kWarpSize, options.choice);
+  grids_ = plan_level_grids(facts, threads_ / kWarpSize, choice_for(n_, options));
   large_ = n_ >= options.large_from;
   in_place_ = counts_in_place(n_, options);
   require_memory("levels", grids_.entries, bytes(), "use fewer balls");
@@ -238,7 +262,7 @@ std::int64_t SortedLevels::bytes() const {
 
 std::int64_t SortedLevels::bytes_for(std::int64_t n, const PackingFacts& like, const LevelOptions& options) {
   if (n == 0 || like.n == 0) return 0;
-  const LevelGrids grids = plan_level_grids(like, 1, options.choice);
+  const LevelGrids grids = plan_level_grids(like, 1, choice_for(n, options));
   const double entries = static_cast<double>(grids.entries) * static_cast<double>(n) / like.n;
   return memory_of(n, std::llround(entries), any_of_several_radii(grids), options);
 }
