@@ -22,6 +22,11 @@ constexpr std::pair<Mix, std::string_view> kMixes[] = {{Mix::table1, "table1"},
                                                        {Mix::bidisperse, "bidisperse"},
                                                        {Mix::power_law, "power_law"},
                                                        {Mix::scc30, "scc30"}};
+constexpr std::pair<Shape, std::string_view> kShapes[] = {
+    {Shape::as_packed, "as_packed"}, {Shape::outlier, "outlier"},   {Shape::crowd, "crowd"},
+    {Shape::one_cell, "one_cell"},   {Shape::giant, "giant"},       {Shape::clusters, "clusters"},
+    {Shape::line, "line"},           {Shape::diagonal, "diagonal"}, {Shape::plane, "plane"}};
+constexpr double kLeastStep = 1e-6, kMostStep = 1000;  // rmin
 constexpr std::pair<PackingKind, std::string_view> kKinds[] = {{PackingKind::settled, "settled"}, {PackingKind::loose, "loose"}};
 
 template <class Table, class Value>
@@ -90,11 +95,15 @@ void set_key(PackingSpec& spec, std::string_view key, std::string_view text) {
     spec.rmin = number<double>(key, text, 1e-4, 1e4) / 100;
   else if (key == "frame")
     spec.frame = number<std::int32_t>(key, text, 0, kLastFrame);
+  else if (key == "shape")
+    spec.shape = value_of<Shape>(kShapes, key, text);
+  else if (key == "moved")
+    spec.moved = number<double>(key, text, kLeastStep, kMostStep);
   else if (key == "tiled")
     spec.tiled = tiled_number(text);
   else
-    throw InputError(
-        fmt::format("spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, tiled", key, text));
+    throw InputError(fmt::format(
+        "spec: {}={}: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, shape, moved, tiled", key, text));
 }
 
 // Keys that only make sense together.
@@ -108,6 +117,11 @@ void judge(const PackingSpec& spec) {
   if (spec.tiled != 0 && spec.frame >= 0)
     throw InputError(
         fmt::format("spec: frame={}, tiled={}: a frame of a settling is not tiled; give one of the two", spec.frame, spec.tiled));
+  if ((spec.shape != Shape::as_packed) + (spec.moved > 0) + (spec.frame >= 0) + (spec.tiled != 0) > 1)
+    throw InputError("spec: frame, shape, moved, tiled: each makes another packing of the same balls; give one of them");
+  if (spec.shape == Shape::one_cell && spec.n > kMostInOneCell)
+    throw InputError(fmt::format("spec: shape=one_cell, n={}: every ball would touch every other, {} contacts; at most n={}",
+                                 spec.n, std::int64_t{spec.n} * (spec.n - 1) / 2, kMostInOneCell));
   if (narrow > 0 && narrow < 4 * rmax)
     throw InputError(
         fmt::format("spec: base={:.6g}x{:.6g}: too narrow for balls of radius {:.6g} cm; at least {:.6g} cm each way",
@@ -187,6 +201,8 @@ std::string name_of(const PackingSpec& spec) {
   if (base_text(spec) != base_text(standard)) name += spec.base_x > 0 ? "_b" + base_text(spec) : "_cube";
   if (spec.kind == PackingKind::loose) name += fmt::format("_loose{:.12g}", spec.solid_fraction * 100);
   if (spec.frame >= 0) name += fmt::format("_f{:03}", spec.frame);
+  if (spec.shape != standard.shape) name += fmt::format("_{}", to_string(spec.shape));
+  if (spec.moved > 0) name += fmt::format("_moved{}", spec.moved);
   if (spec.tiled != 0) name += fmt::format("_tiled{}", spec.tiled);
   return name;
 }
@@ -200,6 +216,7 @@ PackingSpec base_of(PackingSpec spec) {
 
 std::string_view to_string(PackingKind kind) { return word_of(kKinds, kind); }
 std::string_view to_string(Mix mix) { return word_of(kMixes, mix); }
+std::string_view to_string(Shape shape) { return word_of(kShapes, shape); }
 
 std::string to_string(const PackingSpec& spec) {
   std::string text =
@@ -207,8 +224,16 @@ std::string to_string(const PackingSpec& spec) {
                   base_text(spec), word_of(kMixes, spec.mix), word_of(kKinds, spec.kind), spec.solid_fraction, cm(spec.rmin));
   // Else as ever: caches keep this text.
   if (spec.frame >= 0) text += fmt::format(",frame={}", spec.frame);
+  if (spec.shape != Shape::as_packed) text += fmt::format(",shape={}", to_string(spec.shape));
+  if (spec.moved > 0) text += fmt::format(",moved={}", spec.moved);
   if (spec.tiled != 0) text += fmt::format(",tiled={}", spec.tiled);
   return text;
+}
+
+PackingSpec plain_of(PackingSpec spec) {
+  spec.shape = Shape::as_packed;
+  spec.moved = 0;
+  return spec;
 }
 
 PackingSpec settled_of(PackingSpec spec) {

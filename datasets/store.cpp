@@ -9,6 +9,7 @@
 
 #include "datasets/files.h"
 #include "datasets/frames.h"
+#include "datasets/hostile.h"
 #include "datasets/loose.h"
 #include "datasets/settle.h"
 #include "datasets/validity.h"
@@ -78,12 +79,16 @@ std::function<void()> wait_for_maker(std::string name, const std::filesystem::pa
   };
 }
 
-std::string cache_file_of(const PackingSpec& spec) { return name_of(settled_of(spec)) + (spec.frame < 0 ? ".balls" : ".frames"); }
+std::string cache_file_of(const PackingSpec& spec) {
+  return name_of(plain_of(settled_of(spec))) + (spec.frame < 0 ? ".balls" : ".frames");
+}
 
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress) {
   if (spec.tiled != 0)
     throw InputError(
         fmt::format("{}: tiled packings are kept in no file; make their base, {}", name_of(spec), name_of(base_of(spec))));
+  if (const PackingSpec plain = plain_of(spec); name_of(plain) != name_of(spec))
+    return made_of(load_or_make(plain, folder, progress), spec);
   if (spec.frame >= 0) return load_or_make_frame(spec, folder, progress);
   // Files are replaced whole, so a look needs no lock: a complete cache may be read-only.
   std::string why_not;

@@ -20,10 +20,12 @@ namespace touchstone {
 // made (validity checked, an invalid one is an error), written atomically, and returned. A damaged file is said on stderr and
 // made anew. Waits while another process makes the same packing: said on stderr, and `progress` is called, so it can stop the
 // wait. Throws InputError for a tiled spec: those are made where they are used (bench/tiled.h).
-// A spec with a frame gives that frame of the settling: frames.h.
+// A spec with a frame gives that frame of the settling: frames.h. One with a shape or a step keeps the plain packing only, and
+// lays it out anew each time: hostile.h.
 Packing load_or_make(const PackingSpec& spec, const std::filesystem::path& folder, const Progress& progress = {});
 
-// The file of a folder of packings that holds what this spec means: "c4_n2969.balls", for a frame "c4_n2969.frames".
+// The file of a folder of packings that holds what this spec means: "c4_n2969.balls", for a frame "c4_n2969.frames", for a shape
+// the plain one's.
 std::string cache_file_of(const PackingSpec& spec);
 
 // For FileLock: two processes don't make the same thing twice. Says once on stderr who is waited for; `progress` may throw to

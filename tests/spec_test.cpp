@@ -86,7 +86,7 @@ TEST(Spec, MistakesNameKeyAndRemedy) {
   EXPECT_EQ(message("c=nan"), "spec: c=nan: must be a number from 1 to 10000");
   EXPECT_EQ(message("n=5x"), "spec: n=5x: must be a number from 1 to 2147483647");
   EXPECT_EQ(message("mix=gravel"), "spec: mix=gravel: must be one of table1, uniform, bidisperse, power_law, scc30");
-  EXPECT_EQ(message("N=5"), "spec: N=5: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, tiled");
+  EXPECT_EQ(message("N=5"), "spec: N=5: no such key; known are n, c, seed, base, mix, kind, phi, rmin_cm, frame, shape, moved, tiled");
   EXPECT_EQ(message("n=500,frame=101"), "spec: frame=101: must be a number from 0 to 100");
   EXPECT_NE(message("n=500,kind=loose,frame=3").find("loose packings are not settled"), std::string::npos);
   EXPECT_EQ(message("n=5,n=6"), "spec: n: given twice");
