@@ -34,6 +34,10 @@ Json kernels_json(const std::vector<KernelFacts>& kernels) {
   return list;
 }
 
+// Of updates, in place of the file's timed_region.
+constexpr const char* kTimedUpdate =
+    "update() of this packing's balls; before each sample, untimed, detect() of the balls held, and waiting for it";
+
 Json or_null(int value) { return value > 0 ? Json(value) : Json(nullptr); }
 
 }  // namespace
@@ -65,18 +69,42 @@ std::string_view to_string(Knowledge knowledge) {
 
 FrameFacts frame_facts(const Packing& frame, const Packing& first, const PackingFacts& facts) {
   FrameFacts f;
-  const Grid grid = make_grid(facts.centres, 2 * facts.ravg);
+  // Numbered by 21 bits an axis: a hostile packing's box has more cells than a Grid can number.
+  constexpr int kAxisBits = 21;
+  const float per_m = static_cast<float>(1 / (2 * facts.ravg));
+  const auto along = [&](float v, int axis) {
+    return std::int64_t{cell_coordinate(v, facts.centres.lower[axis], per_m, 1 << kAxisBits)} << (kAxisBits * axis);
+  };
   std::map<std::int64_t, std::int64_t> cells;  // number -> balls; few cells are empty, but an outlier's box may be huge
   double way = 0;
   for (std::size_t i = 0; i < frame.balls.size(); ++i) {
     const Ball &now = frame.balls[i], &then = first.balls[i];
-    f.balls_a_cell_most = std::max(f.balls_a_cell_most, ++cells[cell_of_centre(grid, now)]);
+    f.balls_a_cell_most = std::max(f.balls_a_cell_most, ++cells[along(now.x, 0) + along(now.y, 1) + along(now.z, 2)]);
     way += std::hypot(double{now.x} - then.x, double{now.y} - then.y, double{now.z} - then.z);
   }
   const auto n = static_cast<double>(frame.balls.size());
   f.balls_a_cell_mean = n / static_cast<double>(cells.size());
   f.moved_ravg = way / n / facts.ravg;
   return f;
+}
+
+StepFacts step_facts(const Packing& given, const Packing& held) {
+  if (given.balls.size() != held.balls.size())
+    throw std::logic_error(fmt::format("{} and {} are not the same balls", given.name, held.name));
+  StepFacts s;
+  if (held.balls.empty()) return s;
+  float rmin = held.balls[0].r;
+  for (std::size_t i = 0; i < held.balls.size(); ++i) {
+    const Ball &now = given.balls[i], &then = held.balls[i];
+    if (now.r != then.r) throw std::logic_error(fmt::format("ball {} of {} has another radius in {}", i, given.name, held.name));
+    const double way = std::hypot(double{now.x} - then.x, double{now.y} - then.y, double{now.z} - then.z);
+    s.mean_rmin += way;
+    s.most_rmin = std::max(s.most_rmin, way);
+    rmin = std::min(rmin, then.r);
+  }
+  s.mean_rmin /= static_cast<double>(held.balls.size()) * rmin;
+  s.most_rmin /= rmin;
+  return s;
 }
 
 std::string Case::name() const {
@@ -87,6 +115,7 @@ std::string Case::name() const {
   if (given.threads_broad > 0) name += fmt::format("/{}x{}", given.threads_broad, given.threads_narrow);
   if (order != Order::shuffled) name += fmt::format("/{}", to_string(order));
   if (knowledge != Knowledge::known) name += fmt::format("/{}", to_string(knowledge));
+  if (held) name += fmt::format("/update_from_{}", name_of(*held));
   if (then == Then::force) name += "/force";
   return name;
 }
@@ -98,8 +127,10 @@ double cell_of(const Tuning& tuning, const PackingFacts& facts) {
 DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning& tuning) {
   const DetectorInfo& info = *c.detector;
   const double least = info.least_cell_rmax * facts.rmax;
-  if (c.protocol == Protocol::given) return c.given;
   DetectorParams p;
+  if (c.protocol == Protocol::given) p = c.given;
+  if (c.held) p.updates = info.updates;
+  if (c.protocol == Protocol::given) return p;
   p.cell_capacity = c.given.cell_capacity;
   if (c.protocol == Protocol::best) {
     if (info.free_cell) p.cell = std::max(cell_of(tuning, facts), least);
@@ -136,6 +167,12 @@ Json identity_json(const Case& c, const PackingLabel& packing, const PackingFact
   j["n"] = facts.n;
   if (c.packing.tiled != 0) j["tile_balls"] = c.packing.n;
   if (c.packing.frame >= 0) j["frame"] = c.packing.frame;
+  if (c.packing.shape != Shape::as_packed) j["shape"] = to_string(c.packing.shape);
+  if (c.held) {
+    j["held"] = name_of(*c.held);
+    j["timed"] = kTimedUpdate;
+    j["knows_updates"] = info.updates;  // else its update() is detect()
+  }
   j["cell_factor"] = c.packing.cell_factor;
   j["rmin_cm"] = round_cm(facts.rmin);
   j["rmax_cm"] = round_cm(facts.rmax);
@@ -170,7 +207,11 @@ Json case_json(const Case& c, const PackingLabel& packing, const PackingFacts& f
   if (m.frame) {
     j["balls_a_cell_mean"] = m.frame->balls_a_cell_mean;
     j["balls_a_cell_most"] = m.frame->balls_a_cell_most;
-    j["moved_ravg"] = m.frame->moved_ravg;
+    if (c.packing.frame >= 0) j["moved_ravg"] = m.frame->moved_ravg;
+  }
+  if (m.step) {
+    j["moved_mean_rmin"] = m.step->mean_rmin;
+    j["moved_most_rmin"] = m.step->most_rmin;
   }
   j["median_us"] = q.median;
   j["q1_us"] = q.q1;

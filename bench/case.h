@@ -46,6 +46,12 @@ struct FrameFacts {
 };
 FrameFacts frame_facts(const Packing& frame, const Packing& first, const PackingFacts& facts);
 
+// How far balls are from where a detector that is updated held them, in rmin.
+struct StepFacts {
+  double mean_rmin = 0, most_rmin = 0;
+};
+StepFacts step_facts(const Packing& given, const Packing& held);
+
 // The tuner's answer: a cell as a multiple of ravg or rmax, so that it carries over to packings of other sizes.
 struct Tuning {
   double cell_ravg = 0, cell_rmax = 0;  // at most one is not 0; both 0: the detector has no cell to choose
@@ -63,14 +69,18 @@ struct Case {
   Cache cache = Cache::hot;
   Order order = Order::shuffled;
   Knowledge knowledge = Knowledge::known;
+  // Not plain detect(): a sample is update() of the packing's balls by a detector that holds this packing's; before each
+  // sample, untimed, it detect()s them. Same balls, same numbering.
+  std::optional<PackingSpec> held = {};
   Then then = Then::nothing;
   DetectorParams given = {};  // Protocol::given
   bool phases = false;        // record phase times too (GPU, stream)
   double budget_s = 0;        // most time for the samples; 0: the profile's
   std::string left_out = {};  // not "": not run, and the record's skipped cases say why; "code: message"
+  bool may_refuse = false;    // a refusal is an answer that the study asks for: skipped, said, and no fault of the run
 
   // "table2/best/multi_cell_bucket/staged/c4_n2969/ball_lists/graph/hot"; CPU cases end after the output. Axes that are
-  // not at their default follow: "…/cell_0.75cm/64x128/sorted/blind/force".
+  // not at their default follow: "…/cell_0.75cm/64x128/sorted/blind/update_from_c4_n2969/force".
   std::string name() const;
 };
 
@@ -95,14 +105,15 @@ struct Measurement {
   DetectorReport report;
   std::uint64_t contact_hash = 0;  // of the detector's own list after its last sample; of the packing's where verified by count
   std::string verified_by;
-  int retries = 0;                   // Knowledge::first_frame: on this frame, from what frame 0 had needed
-  std::vector<std::string> regrown;  // the same, what was too small: "cell", "row", "list"
+  int retries = 0;                                   // Knowledge::first_frame: on this frame, from what frame 0 had needed
+  std::vector<std::string> regrown;                  // the same, what was too small: "cell", "row", "list"
   std::int64_t bytes_peak = 0, bytes_workspace = 0;  // input, workspace and list as allocated; the workspace alone
   std::vector<double> samples_us;
   std::vector<KernelFacts> kernels;
   std::vector<std::pair<std::string, double>> phases_us;  // medians, in order
   std::vector<std::string> flags;
-  std::optional<FrameFacts> frame;  // of a packing that is a frame
+  std::optional<FrameFacts> frame;  // of a packing that is a frame, or has a shape
+  std::optional<StepFacts> step;    // of an update
 };
 
 // The keys that say which case this is, before anything is measured (also of a skipped case).

@@ -53,7 +53,8 @@ const Reference& PackingContext::reference() {
                         std::int64_t{facts.n} * static_cast<std::int64_t>(sizeof(Ball)) + count_and_hash_bytes(facts));
     reference_ = std::make_unique<Reference>(make_reference(tiled->in_order(Order::sorted), facts));
   } else {
-    reference_ = std::make_unique<Reference>(make_reference(tiled ? ordered(Order::sorted) : packing.balls, facts));
+    reference_ =
+        std::make_unique<Reference>(make_reference(tiled ? ordered(Order::sorted) : packing.balls, facts, most_balls_all_pairs));
   }
   return *reference_;
 }
@@ -101,14 +102,15 @@ struct CaseRunner::Resident {
   explicit Resident(Place place) : stream(place) {}
   Stream stream;
   Detection detection;
+  Buffer<Ball> held;
   Buffer<Force> force;
-  std::function<void()> work;
+  std::function<void()> work, before;
   std::unique_ptr<Sampler> sampler;
 };
 
 CaseRunner::CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile,
-                       std::vector<std::string> flags, EventReasons event_reasons)
-    : case_(c), tuning_(tuning), context_(context), profile_(profile), event_reasons_(std::move(event_reasons)) {
+                       std::vector<std::string> flags, EventReasons event_reasons, const PackingContext* held)
+    : case_(c), tuning_(tuning), context_(context), held_(held), profile_(profile), event_reasons_(std::move(event_reasons)) {
   measurement_.flags = std::move(flags);
 }
 CaseRunner::~CaseRunner() = default;
@@ -130,7 +132,7 @@ std::string CaseRunner::mismatch_now(bool timed) {
 // What does not fit is refused before anything is allocated, and before the reference is asked for.
 Detection CaseRunner::detect_first(Stream& stream) {
   const DetectorInfo& info = *case_.detector;
-  const PackingFacts& facts = context_.facts;
+  const PackingFacts& facts = held_ ? held_->facts : context_.facts;
   const DetectorParams params = params_of(case_, facts, tuning_);
   std::int64_t capacity = context_.capacity(case_.output);
   const MemoryNeed need = memory_need(info, facts.n, facts, params, case_.output, capacity);
@@ -164,7 +166,27 @@ void CaseRunner::detect_moved() {
   if (d.output->capacity() != output) measurement_.regrown.push_back(case_.output == OutputForm::pairs ? "list" : "row");
 }
 
+// The detector has found the contacts of the balls given, so everything is large enough. From now on it holds others when a
+// sample begins, and its answer to an update must be as exact.
+void CaseRunner::prepare_update() {
+  if (case_.order != Order::shuffled) throw std::logic_error("update: the order of the balls held is not this packing's");
+  measurement_.step = step_facts(context_.packing, held_->packing);
+  Resident& r = *resident_;
+  Detection& d = r.detection;
+  r.held = Buffer<Ball>(held_->packing.balls.size(), case_.detector->place, r.stream);
+  copy_async(r.held, std::span<const Ball>(held_->packing.balls), r.stream);
+  r.before = [&r, &d] { d.detector->detect({r.held.data(), d.input().n}, d.output->view(), r.stream); };
+  r.work = [&r, &d] { d.detector->update(d.input(), d.output->view(), r.stream); };
+  r.before();
+  r.work();
+  d.report = d.detector->report(d.output->view(), r.stream);
+  const std::string difference = d.report.complete() ? mismatch_now(false) : d.report.text();
+  if (!difference.empty()) throw Mismatch("update: " + difference, case_.detector->label());
+}
+
 void CaseRunner::prepare() {
+  if (case_.held.has_value() != (held_ != nullptr))
+    throw std::logic_error("update: the packing held is not there, or not asked for");
   const DetectorInfo& info = *case_.detector;
   resident_ = std::make_unique<Resident>(info.place);
   Resident& r = *resident_;
@@ -173,6 +195,7 @@ void CaseRunner::prepare() {
   else
     r.detection = detect_first(r.stream);
   if (case_.packing.frame >= 0) measurement_.frame = context_.frame();
+  if (case_.study == "hostile") measurement_.frame = frame_facts(context_.packing, context_.packing, context_.facts);
   const Reference& reference = context_.reference();
   if (const std::string difference = mismatch_now(false); !difference.empty()) throw Mismatch(difference, info.label());
   measurement_.params = r.detection.detector->params();
@@ -191,6 +214,8 @@ void CaseRunner::prepare() {
       d.retries = 0;
       complete_detection(d, info, facts, params_of(case_, facts, tuning_), case_.output, r.stream, d.output->capacity());
     };
+  } else if (held_) {
+    prepare_update();
   } else {
     r.work = [&r, &d] { d.detector->detect(d.input(), d.output->view(), r.stream); };
   }
@@ -203,7 +228,7 @@ void CaseRunner::prepare() {
   }
   // A blind sample synchronises within itself: the host's clock takes it.
   const Place clock = case_.knowledge == Knowledge::blind ? Place::host : info.place;
-  r.sampler = std::make_unique<Sampler>(r.work, clock, case_.launch, case_.cache, r.stream);
+  r.sampler = std::make_unique<Sampler>(r.work, clock, case_.launch, case_.cache, r.stream, r.before);
   samples_ = samples_per_repetition(case_, profile_, r.sampler->warm_up_us(on_gpu(info) ? kWarmUpMs : 0));
 }
 

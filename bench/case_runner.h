@@ -32,6 +32,9 @@ class PackingContext {
   // How this frame differs from the first. Throws std::logic_error where there is no first.
   const FrameFacts& frame();
 
+  // Up to so many balls all_pairs is the reference (make_reference).
+  std::int32_t most_balls_all_pairs = kMostBallsAllPairs;
+
   Packing packing;
   PackingFacts facts;
   std::unique_ptr<const TiledPacking> tiled;    // null for others
@@ -58,8 +61,9 @@ class CaseRunner {
  public:
   // `tuning` is used by Protocol::best; `flags` are the run's, the case adds its own. `event_reasons`, where given, is asked
   // once, after the last sample: a case that a throttled clock may have slowed says so.
+  // `held` is the packing of Case::held, and null without.
   CaseRunner(const Case& c, const Tuning& tuning, PackingContext& context, Profile profile, std::vector<std::string> flags,
-             EventReasons event_reasons = {});
+             EventReasons event_reasons = {}, const PackingContext* held = nullptr);
   ~CaseRunner();
 
   // Takes one repetition and returns the median of its samples, us. The first call uploads, detects, verifies and warms up;
@@ -71,7 +75,8 @@ class CaseRunner {
 
  private:
   void prepare();
-  void detect_moved();  // prepare()'s part for Knowledge::first_frame
+  void detect_moved();    // prepare()'s part for Knowledge::first_frame
+  void prepare_update();  // and for Case::held
   void finish();
   Detection detect_first(Stream& stream);
   std::string mismatch_now(bool timed);
@@ -79,6 +84,7 @@ class CaseRunner {
   Case case_;
   Tuning tuning_;
   PackingContext& context_;
+  const PackingContext* held_;
   Profile profile_;
   EventReasons event_reasons_;
   Measurement measurement_;

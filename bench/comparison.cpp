@@ -38,6 +38,7 @@ std::string identity_of(const json& c) {
        {"study", "protocol", "detector", "layout", "place", "device", "packing", "n", "order", "launch", "cache"})
     add(key, nullptr);
   add("knowledge", "known");
+  add("held", nullptr);
   add("then", nullptr);
   add("ablation", nullptr);
   if (text_of(c, "protocol") == "given")

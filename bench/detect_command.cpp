@@ -139,7 +139,9 @@ void add_detect_command(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("detect", "run one detector on one packing, check it, time it");
   command->add_option("--packing", o->packing, kPackingHelp);
   command->add_option("--timestep", o->timestep, kTimestepHelp);
-  command->add_option("--spec", o->spec, "a packing to make, such as n=20653,c=4; n=50000,c=1,tiled=10000000 repeats one");
+  command->add_option("--spec", o->spec,
+                      "a packing to make, such as n=20653,c=4; n=50000,c=1,tiled=10000000 repeats one, "
+                      "n=2969,c=4,shape=outlier lays its balls out anew");
   auto* config = command->add_option("--config", o->config, "detector, cell and threads as `touchstone tune --out` wrote them");
   command->add_option("--detector", o->detector, "name or name/layout (see `touchstone list`)")
       ->capture_default_str()

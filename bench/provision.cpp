@@ -43,10 +43,13 @@ Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& pack
   Needs needs;
   std::set<std::string> packings, tunings;
   const auto add = [&](const PackingSpec& of_case) {
-    const PackingSpec spec = base_of(of_case);
+    const PackingSpec spec = plain_of(base_of(of_case));
     if (packings.insert(cache_file_of(spec)).second) needs.packings.push_back({spec, is_made(folder, spec)});
   };
-  for (const Case& c : cases) add(c.packing);
+  for (const Case& c : cases) {
+    add(c.packing);
+    if (c.held) add(*c.held);
+  }
   for (const Case& c : cases) {
     if (!needs_tuning(c)) continue;
     const PackingSpec on = tuning_spec(c.packing, profile, tuning_n);
@@ -72,7 +75,10 @@ double Provision::estimated_seconds(const std::vector<Case>& cases) const {
 }
 
 void Provision::provide(const std::vector<Case>& cases, bool fresh, Eta& eta) {
-  for (const Case& c : cases) load(c.packing, eta);
+  for (const Case& c : cases) {
+    load(c.packing, eta);
+    if (c.held) load(*c.held, eta);
+  }
   for (const Case& c : cases)
     if (needs_tuning(c)) tune_for(c, fresh, eta);
 }
@@ -101,6 +107,7 @@ PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
   Packing made = load_or_make(base_of(spec), folder_, progress);
   context = spec.tiled != 0 ? std::make_unique<PackingContext>(TiledPacking(spec, made))
                             : std::make_unique<PackingContext>(std::move(made));
+  if (spec.shape != Shape::as_packed) context->most_balls_all_pairs = kMostBallsAllPairsHostile;
   done_ += seconds;
   if (spec.frame >= 0) {
     PackingSpec first = spec;

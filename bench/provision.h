@@ -43,6 +43,7 @@ class Provision {
   void provide(const std::vector<Case>& cases, bool fresh, Eta& eta);
 
   PackingContext& context(const Case& c) const { return *packings_.at(name_of(c.packing)); }
+  const PackingContext* held(const Case& c) const { return c.held ? packings_.at(name_of(*c.held)).get() : nullptr; }
   Tuning tuning(const Case& c) const;  // nothing for protocols that need none
   double done_seconds() const { return done_; }
 

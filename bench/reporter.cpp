@@ -32,11 +32,6 @@ void ResultsFile::skip(Json identity, const std::string& code, const std::string
   skipped_.push_back(std::move(identity));
 }
 
-std::size_t ResultsFile::skipped(const std::string& code) const {
-  return static_cast<std::size_t>(
-      std::count_if(skipped_.begin(), skipped_.end(), [&](const Json& s) { return s["code"] == code; }));
-}
-
 std::size_t ResultsFile::samples(const std::string& flag) const {
   std::size_t count = 0;
   for (const auto& [name, entries] : entries_) {

@@ -34,7 +34,6 @@ class ResultsFile {
   void skip(Json identity, const std::string& code, const std::string& message);
   std::size_t cases() const { return entries_.size(); }
   std::size_t skipped() const { return skipped_.size(); }
-  std::size_t skipped(const std::string& code) const;
   const Json& skipped_cases() const { return skipped_; }
 
   // Samples of all cases, or of those with this flag.

@@ -32,6 +32,7 @@ constexpr std::size_t kBytesACase = 3 * 32 * 1024;
 
 // A case that this machine's memory cannot hold: skipped, said, and no fault of the run, like one that the study leaves out.
 constexpr const char* kMemoryCode = "memory";
+constexpr const char* kRefusedCode = "refused";  // by the detector; no fault only where the study asks for it (Case::may_refuse)
 
 // Fails a repetition from inside its loop: Google Benchmark 1.7 aborts if the repetitions of a case, failed ones included,
 // have not run equally often.
@@ -82,6 +83,7 @@ class StudyRun {
   std::unique_ptr<Eta> eta_;
   double done_ = 0;
   std::size_t registered_ = 0, started_ = 0, resumed_ = 0, kept_ = 0, left_out_ = 0;
+  std::size_t excused_ = 0;  // skipped cases that are no fault of the run, beside those left out
   bool mismatch_ = false;
 };
 
@@ -146,7 +148,7 @@ void StudyRun::register_case(const Case& c) {
   record.identity = identity_json(c, context.label(), context.facts, tuning);
   records_[name] = std::move(record);
   runners_[name] = std::make_unique<CaseRunner>(c, tuning, context, options_.selection.profile, flags_,
-                                                on_gpu(*c.detector) ? gpu_event_reasons : EventReasons());
+                                                on_gpu(*c.detector) ? gpu_event_reasons : EventReasons(), provision_->held(c));
   ++registered_;
   benchmark::RegisterBenchmark(name.c_str(),
                                [this, c, tuning, name](benchmark::State& state) {
@@ -221,11 +223,12 @@ void StudyRun::repetition(benchmark::State& state, const Case& c, CaseRunner& ru
   } catch (const MemoryError& e) {
     error = fmt::format("{}: {}", kMemoryCode, e.what());
   } catch (const InputError& e) {
-    error = fmt::format("refused: {}", e.what());
+    error = fmt::format("{}: {}", kRefusedCode, e.what());
   } catch (const std::exception& e) {
     error = fmt::format("failed: {}", e.what());
   }
   failures_[c.name()] = error;
+  excused_ += is_no_fault(c, error);
   skip(state, error);
 }
 
@@ -245,12 +248,12 @@ void StudyRun::finish() {
     why_not_.push_back(why);
   for (const std::string& objection : provision_->objections()) why_not_.push_back(objection);
   taints_of_earlier_runs();
-  const std::size_t without_room = file_->skipped(kMemoryCode), planned = order_.size() - without_room;
-  const bool complete = file_->cases() == planned + kept_ && file_->skipped() == left_out_ + without_room;
+  const std::size_t planned = order_.size() - excused_;
+  const bool complete = file_->cases() == planned + kept_ && file_->skipped() == left_out_ + excused_;
   if (!complete) why_not_.push_back(fmt::format("{} of {} cases measured", file_->cases() - kept_, planned));
   run["end"] = utc_now();
   run["planned"] = planned;
-  run["left_out"] = left_out_ + without_room;  // they stand in `skipped`, with their reasons
+  run["left_out"] = left_out_ + excused_;  // they stand in `skipped`, with their reasons
   run["done"] = file_->cases() - kept_;
   run["resumed"] = resumed_;
   run["kept_from_other_selections"] = kept_;
@@ -262,7 +265,7 @@ void StudyRun::finish() {
 int StudyRun::exit_code() const {
   if (interrupted()) return kExitInterrupted;
   if (mismatch_) return kExitMismatch;
-  return file_->skipped() > left_out_ + file_->skipped(kMemoryCode) ? kExitPartial : kExitOk;
+  return file_->skipped() > left_out_ + excused_ ? kExitPartial : kExitOk;
 }
 
 int StudyRun::run() {
@@ -295,6 +298,11 @@ int StudyRun::run() {
 }
 
 }  // namespace
+
+bool is_no_fault(const Case& c, std::string_view error) {
+  const std::string_view code = error.substr(0, error.find(": "));
+  return code == kMemoryCode || (c.may_refuse && code == kRefusedCode);
+}
 
 int run_study(const RunOptions& options) {
   std::vector<Case> cases = plan(options);

@@ -24,6 +24,10 @@ struct RunOptions {
 // The cases the options select, in order. Throws InputError for unknown words.
 std::vector<Case> plan(const RunOptions& options);
 
+// Whether a case that was skipped with this "code: message" is no fault of the run: this machine's memory cannot hold it, or the
+// detector refused it in a study that asks who does.
+bool is_no_fault(const Case& c, std::string_view error);
+
 // Prints the cases, or the time and disk they would take, to stdout.
 int print_list(const RunOptions& options);
 int print_plan(const RunOptions& options);

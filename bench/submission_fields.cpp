@@ -170,6 +170,12 @@ constexpr Field kCase[] = {{"study", text},
                            {"balls_a_cell_mean", time, false},
                            {"balls_a_cell_most", positive_count, false},
                            {"moved_ravg", quantity, false},
+                           {"shape", text, false},
+                           {"held", text, false},
+                           {"timed", text, false},
+                           {"knows_updates", flag, false},
+                           {"moved_mean_rmin", quantity, false},
+                           {"moved_most_rmin", quantity, false},
                            {"kernels", list, false},
                            {"phases_us", object, false}};
 

@@ -15,9 +15,9 @@ std::string_view to_string(Cache cache) { return cache == Cache::cold ? "cold" :
 using Clock = std::chrono::steady_clock;
 
 struct Sampler::State {
-  State(std::function<void()> w, Place p, Launch l, Cache c, Stream& s)
-      : work(std::move(w)), place(p), launch(l), cache(c), stream(s) {}
-  std::function<void()> work;
+  State(std::function<void()> w, Place p, Launch l, Cache c, Stream& s, std::function<void()> b)
+      : work(std::move(w)), before(std::move(b)), place(p), launch(l), cache(c), stream(s) {}
+  std::function<void()> work, before;
   Place place;
   Launch launch;
   Cache cache;
@@ -87,8 +87,9 @@ Sampler::Sampler(Detection& detection, Place place, Launch launch, Cache cache, 
     : Sampler([&] { detection.detector->detect(detection.input(), detection.output->view(), stream); }, place, launch, cache,
               stream) {}
 
-Sampler::Sampler(std::function<void()> work, Place place, Launch launch, Cache cache, Stream& stream)
-    : state_(std::make_unique<State>(std::move(work), place, launch, cache, stream)) {
+Sampler::Sampler(std::function<void()> work, Place place, Launch launch, Cache cache, Stream& stream,
+                 std::function<void()> before)
+    : state_(std::make_unique<State>(std::move(work), place, launch, cache, stream, std::move(before))) {
   if (place == Place::device)
     state_->prepare();
   else if (launch == Launch::graph || cache == Cache::cold)
@@ -98,6 +99,10 @@ Sampler::~Sampler() = default;
 Sampler::Sampler(Sampler&&) noexcept = default;
 
 double Sampler::sample_us() {
+  if (state_->before) {
+    state_->before();
+    state_->stream.synchronize();
+  }
   const double us = state_->place == Place::device ? state_->device_sample_us() : state_->host_sample_us();
   if (!(us > 0)) throw std::runtime_error(fmt::format("the clock gave {} us for one sample: no time can be reported", us));
   return us;

@@ -16,13 +16,14 @@ enum class Cache { hot, cold };       // cold: the L2 is flushed before each sam
 std::string_view to_string(Launch launch);
 std::string_view to_string(Cache cache);
 
-// Takes samples of `work`, which enqueues on the stream (GPU) or does (CPU) what is to be timed. On the GPU a sample is event,
+// Takes samples of `work`, which enqueues on the stream (GPU) or does (CPU) what is to be timed; `before`, if given, is done
+// before each sample and waited for, untimed. On the GPU a sample is event,
 // one launch of the captured graph or one call of `work`, event; on the CPU a call between two readings of the steady clock.
 // Never a batch divided by its length.
 class Sampler {
  public:
   // Captures the graph where asked. Throws std::logic_error for graph or cold on the CPU.
-  Sampler(std::function<void()> work, Place place, Launch launch, Cache cache, Stream& stream);
+  Sampler(std::function<void()> work, Place place, Launch launch, Cache cache, Stream& stream, std::function<void()> before = {});
   // The work is one detect() of `detection`.
   Sampler(Detection& detection, Place place, Launch launch, Cache cache, Stream& stream);
   ~Sampler();

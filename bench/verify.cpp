@@ -44,7 +44,7 @@ ListDigest digest_where_it_lies(const ContactsView& list, const Numbering& numbe
 
 }  // namespace
 
-Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts) {
+Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts, std::int32_t most_all_pairs) {
   Reference r;
   if (facts.n > kMostBallsCompared) {
     require_host_memory("parallel_levels, the reference", count_and_hash_bytes(facts));
@@ -55,7 +55,7 @@ Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts)
     r.by = "parallel_levels (count and hash)";
     return r;
   }
-  if (facts.n <= kMostBallsAllPairs) {
+  if (facts.n <= most_all_pairs) {
     r.list = run_cpu("all_pairs", balls, facts);
     r.by = "all_pairs";
   } else {

@@ -20,11 +20,14 @@ struct Reference {
 };
 inline constexpr std::int32_t kMostBallsCompared = 10'000'000;
 inline constexpr std::int32_t kMostBallsAllPairs = 5'000;
+// Of hostile packings, which the other references may find as hard as what they judge: all_pairs takes seconds here.
+inline constexpr std::int32_t kMostBallsAllPairsHostile = 200'000;
 
-// all_pairs up to kMostBallsAllPairs balls; else parallel_levels, which must agree with serial_multi_cell, another method.
+// all_pairs up to `most_all_pairs` balls; else parallel_levels, which must agree with serial_multi_cell, another method.
 // Throws std::runtime_error if these two disagree: then there is no truth to compare with; MemoryError where parallel_levels does
 // not fit into the host's memory.
-Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts);
+Reference make_reference(std::span<const Ball> balls, const PackingFacts& facts,
+                         std::int32_t most_all_pairs = kMostBallsAllPairs);
 
 // "" if the detection's contact set is the reference's; else how it differs, in one line. `number` maps the detection's balls
 // to the packing's; a table in it lies on the host. `found_hash`, if given, is set to the hash of the detection's own set, unless

@@ -75,7 +75,8 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .buckets = false,
      .known = "box,rmin,rmax,histogram",
      .make = make_levels,
-     .bytes = bytes_of_levels},
+     .bytes = bytes_of_levels,
+     .updates = true},
     {.name = "levels",
      .layout = "reproducible",
      .summary = "levels with the contact list in ascending order: the same bytes in every run",
@@ -87,7 +88,8 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .buckets = false,
      .known = "box,rmin,rmax,histogram",
      .make = make_reproducible_levels,
-     .bytes = bytes_of_reproducible_levels},
+     .bytes = bytes_of_reproducible_levels,
+     .updates = true},
 };
 
 std::span<const DetectorInfo> gpu_detectors() { return kGpuDetectors; }

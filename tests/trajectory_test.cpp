@@ -10,6 +10,7 @@
 #include "bench/provision.h"
 #include "bench/study.h"
 #include "bench/submission_fields.h"
+#include "tests/case_faults.h"
 #include "tests/results_schema.h"
 #include "tests/run_program.h"
 #include "touchstone/error.h"
@@ -180,10 +181,11 @@ std::set<std::string> packings_of(Profile profile, bool all_frames = false) {
 // The packings that everybody's results/expected.json holds are those that the study measures.
 TEST(Trajectory, MeasuresEveryTenthOrFourthFrameAndTheBedAtRest) {
   const auto fast = packings_of(Profile::fast), full = packings_of(Profile::full);
-  EXPECT_EQ(fast.size(), 12u);
-  EXPECT_EQ(full.size(), 27u);
-  EXPECT_EQ(packings_of(Profile::full, true).size(), 102u);
-  for (const char* name : {"c4_n48928", "c4_n48928_f000", "c4_n48928_f004", "c4_n48928_f100"}) EXPECT_EQ(full.count(name), 1u);
+  EXPECT_EQ(fast.size(), 12u + 5u);  // and the bed moved by five steps
+  EXPECT_EQ(full.size(), 27u + 5u);
+  EXPECT_EQ(packings_of(Profile::full, true).size(), 102u + 5u);
+  for (const char* name : {"c4_n48928_moved0.01", "c4_n48928", "c4_n48928_f000", "c4_n48928_f004", "c4_n48928_f100"})
+    EXPECT_EQ(full.count(name), 1u);
   std::set<std::string> listed, both = fast;
   both.insert(full.begin(), full.end());
   for (const PackingSpec& spec : load_spec_set(TOUCHSTONE_SOURCE_DIR "/datasets/specs/trajectory.json"))
@@ -195,12 +197,143 @@ TEST(Trajectory, MeasuresEveryTenthOrFourthFrameAndTheBedAtRest) {
 
 TEST(Trajectory, AllDetectorsMeasureTheSameFrames) {
   const std::vector<Case> cases = plan_study("trajectory", {});
-  const auto detectors = all_detectors().size() - 1;  // not all_pairs
-  EXPECT_EQ(cases.size(), 12 * detectors);
-  for (const DetectorInfo* info : all_detectors())
-    if (info->name != "all_pairs")
-      EXPECT_EQ(std::count_if(cases.begin(), cases.end(), [&](const Case& c) { return c.detector == info; }), 12)
-          << info->label();
+  for (const DetectorInfo* info : all_detectors()) {
+    const auto of_frames = [&](const Case& c) { return c.detector == info && !c.held && c.packing.moved == 0; };
+    EXPECT_EQ(std::count_if(cases.begin(), cases.end(), of_frames), info->name == "all_pairs" ? 0 : 12) << info->label();
+  }
+}
+
+// Every update has plain detect() of the same balls beside it, by a detector that knew the same.
+TEST(Updates, StandBesideDetectOfTheSameBalls) {
+  for (const Profile profile : {Profile::fast, Profile::full}) {
+    StudyOptions options;
+    options.profile = profile;
+    const std::vector<Case> cases = plan_study("trajectory", options);
+    std::set<std::string> asked;
+    for (const Case& c : cases) {
+      if (!c.held) continue;
+      asked.insert(c.detector->label());
+      EXPECT_EQ(name_of(plain_of(settled_of(c.packing))), name_of(settled_of(*c.held))) << "not the same balls";
+      EXPECT_EQ(std::count_if(cases.begin(), cases.end(),
+                              [&](Case plain) {
+                                if (plain.held) return false;
+                                plain.held = c.held;
+                                return plain.name() == c.name();
+                              }),
+                1)
+          << c.name();
+    }
+    for (const DetectorInfo* info : all_detectors())
+      EXPECT_EQ(asked.count(info->label()), info->updates || info->name == "parallel_levels") << info->label();
+  }
+  // GPU detectors that know how say so, also where there is no GPU.
+  for (const DetectorInfo& info : gpu_detectors()) EXPECT_EQ(info.updates, info.name == "levels") << info.label();
+}
+
+// What an update is given and what the detector holds then, seen by a detector that knows how.
+struct Seen {
+  std::vector<float> detected, updated;  // x of the last ball, call by call
+  bool built_for_updates = false;
+} seen;
+class Updating : public Detector {
+ public:
+  Updating(const PackingFacts& facts, const DetectorParams& params, Stream& stream, bool stale)
+      : inner_(find_detector("serial_levels").make(facts, {}, stream)), stale_(stale) {
+    seen = {};
+    seen.built_for_updates = params.updates;
+  }
+  void detect(BallsView in, ContactsView out, Stream& stream) override {
+    seen.detected.push_back(in.data[in.n - 1].x);
+    held_.assign(in.data, in.data + in.n);
+    inner_->detect(in, out, stream);
+  }
+  void update(BallsView in, ContactsView out, Stream& stream) override {
+    seen.updated.push_back(in.data[in.n - 1].x);
+    EXPECT_EQ(held_.back().x, 57) << "a sample that does not begin with the balls held";
+    held_.back().x = NAN;
+    inner_->detect(stale_ ? BallsView{held_.data(), in.n} : in, out, stream);
+  }
+  DetectorReport report(ContactsView out, Stream& stream) override { return inner_->report(out, stream); }
+  std::int64_t workspace_bytes() const override { return 0; }
+  DetectorParams params() const override { return {}; }
+
+ private:
+  std::unique_ptr<Detector> inner_;
+  std::vector<Ball> held_;
+  bool stale_;
+};
+template <bool stale>
+DetectorInfo updating() {
+  DetectorInfo info = find_detector("serial_levels");
+  info.name = "updating";
+  info.updates = true;
+  info.make = [](const PackingFacts& facts, const DetectorParams& params, Stream& stream) -> std::unique_ptr<Detector> {
+    return std::make_unique<Updating>(facts, params, stream, stale);
+  };
+  return info;
+}
+
+Measurement measure_update(const Case& c, PackingContext& given, const PackingContext& held) {
+  CaseRunner runner(c, Tuning{}, given, Profile::fast, {}, {}, &held);
+  while (!runner.complete()) runner.repetition_us();
+  return runner.measurement();
+}
+
+Case update_case(const DetectorInfo& info) {
+  Case c = case_on_frame(info, -1);
+  c.knowledge = Knowledge::known;
+  c.packing.moved = 0.1;
+  c.held = plain_of(c.packing);
+  return c;
+}
+
+TEST(Updates, EverySampleBeginsWithTheBallsHeld) {
+  Frames f;  // the chain is held, the heap is given
+  const DetectorInfo info = updating<false>();
+  const Measurement m = measure_update(update_case(info), f.later, f.first);
+  EXPECT_TRUE(seen.built_for_updates);
+  EXPECT_GE(seen.updated.size(), m.samples_us.size() + 1);
+  for (const float x : seen.updated) EXPECT_NEAR(x, 1000.19, 0.01);
+  EXPECT_EQ(m.report.contacts, 190);
+  EXPECT_EQ(m.contact_hash, f.later.reference().hash);
+}
+
+TEST(Updates, AreComparedWithTheReferenceOfTheMovedBalls) {
+  Frames f;
+  const DetectorInfo info = updating<true>();
+  EXPECT_THROW(measure_update(update_case(info), f.later, f.first), Mismatch);
+}
+
+TEST(Updates, NeedTheBallsHeldInTheSameNumbering) {
+  Frames f;
+  Case c = update_case(find_detector("serial_levels"));
+  EXPECT_THROW(measure(c, f.later), std::logic_error) << "nothing held";
+  c.order = Order::sorted;
+  EXPECT_THROW(measure_update(c, f.later, f.first), std::logic_error);
+  Packing grown = f.first.packing;
+  grown.balls[3].r *= 2;
+  EXPECT_THROW(step_facts(grown, f.first.packing), std::logic_error);
+  grown.balls.pop_back();
+  EXPECT_THROW(step_facts(grown, f.first.packing), std::logic_error);
+}
+
+TEST(Updates, RecordWhatWasTimedAndHowFarBallsMoved) {
+  Frames f;
+  const Case c = update_case(find_detector("parallel_levels"));
+  EXPECT_EQ(c.name(), "trajectory/best/parallel_levels/c4_n20_moved0.1/pairs/update_from_c4_n20");
+  Json record = case_json(c, f.later.label(), f.later.facts, {}, measure_update(c, f.later, f.first));
+  EXPECT_EQ(record["held"], "c4_n20");
+  EXPECT_EQ(record["knows_updates"], false);
+  EXPECT_THAT(record["timed"].get<std::string>(), HasSubstr("before each sample, untimed, detect()"));
+  EXPECT_NEAR(record["moved_mean_rmin"].get<double>(), 0.5 * 3230, 10);
+  EXPECT_GT(record["moved_most_rmin"], record["moved_mean_rmin"]);
+  record["run_id"] = "2026-01-31T12:00:00Z-1";
+  std::string faults;
+  check_fields(json::parse(record.dump()), "case", case_fields(),
+               [&](const std::string&, const std::string& what) { faults += what + "\n"; });
+  EXPECT_EQ(faults, "");
+  for (const char* key : {"held", "timed", "knows_updates", "moved_mean_rmin"})
+    EXPECT_FALSE(identity_json(case_on_frame(*c.detector, 10), f.later.label(), f.later.facts, {}).contains(key)) << key;
 }
 
 // A file of frames is one thing to make; its frames know the first.
@@ -233,11 +366,11 @@ TEST(TrajectoryRun, WritesAFileThatOtherProgramsRead) {
   const testing::TemporaryFolder folder;
   const auto run = [&](const std::string& options) {
     return testing::run_program("OMP_NUM_THREADS=1 TOUCHSTONE_SOURCE_DIR=" TOUCHSTONE_SOURCE_DIR " " BENCH_DETECT
-                                " --study trajectory --detectors '^serial_levels' --force --packing-folder " +
+                                " --study trajectory --force --packing-folder " +
                                 (folder.path() / "packings").string() + " --out " + (folder.path() / "out").string() + " " +
                                 options);
   };
-  const std::string some = "--packings 'n2969$|_f0[05]0'";
+  const std::string some = "--packings 'n2969$|_f0[05]0' --detectors '^serial_levels'";  // serial_levels is not updated
   const auto plan = run(some + " --plan");
   EXPECT_THAT(plan.out, HasSubstr("c4_n2969 frames")) << plan.err;
   const auto made = run(some);
@@ -258,6 +391,21 @@ TEST(TrajectoryRun, WritesAFileThatOtherProgramsRead) {
   const auto same = testing::run_program(TOUCHSTONE " compare " + path + " " + path);
   EXPECT_EQ(same.code, 0) << same.err;
   EXPECT_THAT(same.out, HasSubstr("f050"));
+
+  // The same of updates, of a moved bed and of a frame from two others, which are told apart.
+  const auto updated = run("--packings 'moved0.1$|f020' --detectors '^parallel_levels'");
+  ASSERT_EQ(updated.code, 0) << updated.err;
+  const json updates = testing::parse_strictly(testing::file_text(path));
+  EXPECT_THAT(testing::SchemaCheck().faults(updates), IsEmpty());
+  EXPECT_THAT(testing::case_faults(updates), IsEmpty());
+  std::multiset<std::string> held;
+  for (const json& e : updates["benchmarks"])
+    if (e["repetition_index"] == 0 && e["case"]["detector"] == "parallel_levels") held.insert(e["case"].value("held", "-"));
+  EXPECT_THAT(held, ElementsAre("-", "-", "c4_n2969", "c4_n2969_f010", "c4_n2969_f019"));
+  const auto same_updates = testing::run_program(TOUCHSTONE " compare " + path + " " + path);
+  EXPECT_EQ(same_updates.code, 0) << same_updates.err;
+  for (const char* name : {"update_from_c4_n2969_f010", "update_from_c4_n2969_f019"})
+    EXPECT_THAT(same_updates.out, HasSubstr(name));
 }
 
 }  // namespace

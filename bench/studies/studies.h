@@ -18,6 +18,7 @@ std::vector<Case> plan_fairness(Profile profile);        // fairness.cpp
 std::vector<Case> plan_trajectory(Profile profile);      // trajectory.cpp
 std::vector<Case> plan_polydispersity(Profile profile);  // polydispersity.cpp
 std::vector<Case> plan_scale(Profile profile);           // scale.cpp
+std::vector<Case> plan_hostile(Profile profile);         // hostile.cpp
 
 // Balls of the studies of one size (the paper: 50,000), and as many as the default profile can settle.
 inline std::int32_t study_size(Profile profile) { return profile == Profile::full ? 50000 : 6476; }

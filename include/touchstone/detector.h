@@ -100,6 +100,7 @@ struct DetectorInfo {
   // workspace_bytes() of what `make` would build with these parameters for n balls packed as those of `like` (n = like.n:
   // exactly; else its volume and cells grow with n), without allocating. Null where it cannot be said beforehand.
   std::int64_t (*bytes)(std::int64_t n, const PackingFacts& like, const DetectorParams& params) = nullptr;
+  bool updates = false;  // update() may do less than detect()
 
   std::string label() const {  // "multi_cell_bucket/paper", "multi_cell_bucket/paper/judge_off"
     std::string text(name);
