@@ -111,8 +111,8 @@ TEST_F(Page, InABrowserFitsAPhoneAndADesk) {
     EXPECT_EQ(seen["width"], width) << "the browser did not take the window's width";
     EXPECT_LE(seen["page"], width) << seen["wide"];
     EXPECT_THAT(seen["wide"], IsEmpty()) << "wider than a window of " << width;
-    EXPECT_GE(seen["figures"].get<int>(), 30) << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; "
-                                                 "trajectory: 4; spread: 3; scale: 6";
+    EXPECT_GE(seen["figures"].get<int>(), 34) << "figure 8: 2; 6 and 7: 1 each; 9: 3; cards: 3; equations: 1; fairness: 6; "
+                                                 "trajectory: 4; updates: 2; spread: 3; scale: 6; hostile: 2";
     EXPECT_EQ(seen["empty"], 0) << "figures without a size at " << width;
     EXPECT_GE(seen["least_text"].get<double>(), 8) << "a figure's text, px, at " << width;
     EXPECT_THAT(console, IsEmpty());
@@ -184,6 +184,10 @@ TEST_F(Page, HoldsEveryTableAndFigure) {
                                "trajectory_c4_n2969_fixture-1",
                                "trajectory_c4_n2969_fixture-1_figure",
                                "cases_trajectory_fixture-1",
+                               "updates_c4_n2969_fixture-1",
+                               "updates_c4_n2969_fixture-1_figure",
+                               "hostile_fixture-1",
+                               "hostile_table_fixture-1",
                                "polydispersity_fixture-1",
                                "polydispersity_table_fixture-1"})
     EXPECT_THAT(text, HasSubstr(" id=\"" + id + "\"")) << id;
@@ -387,6 +391,32 @@ TEST_F(Page, ATrajectorysMeanStandsBesideTheBedAtRest) {
   EXPECT_THAT(curve, HasSubstr("70 0.034 0.03366 0.03434 \"↑\""));
   EXPECT_THAT(curve, HasSubstr("# at rest\n106 0.032"));
   EXPECT_THAT(file_text(out() / "trajectory_c4_n2969_fixture-1_memory.dat"), HasSubstr("60 100 100 100 \"\"\n70 120"));
+}
+
+TEST_F(Page, AnUpdateStandsBesideDetectOfTheSameBalls) {
+  const std::string table = file_text(out() / "updates_c4_n2969_fixture-1.csv");
+  EXPECT_THAT(table, HasSubstr("sorted_grid/rows,not at all,0,0,\"9,000\",0.0160,0.0320,0.500× (0.464 to 0.537)"));
+  EXPECT_THAT(table, HasSubstr("sorted_grid/rows,each ball 0.1 rmin,0.1,0.1,\"9,000\",0.0160,0.0320,0.500×"));
+  EXPECT_THAT(table, HasSubstr("sorted_grid/rows,each ball 1 rmin,1,1,\"9,000\",0.0400,0.0320,1.25×"));
+  EXPECT_THAT(table,
+              HasSubstr("serial_levels (its update() is detect()),frame 19 to frame 20,0.03,0.5,\"9,000\",1.10,1.08,1.02×"));
+  const std::string points = file_text(out() / "updates_c4_n2969_fixture-1_gpu.dat");
+  EXPECT_THAT(points, HasSubstr("0.003 0.016 0.015 0.017 \"\"\n0.1 0.016"));
+  EXPECT_THAT(points, HasSubstr("0.003 0.032 0.03168 0.03232"));
+  // An update of the bed at rest is not the bed's own time.
+  EXPECT_THAT(file_text(out() / "trajectory_c4_n2969_fixture-1.csv"), HasSubstr("sorted_grid/rows,0.0300†,0.0320,"));
+}
+
+TEST_F(Page, HostileInputStandsBesideTheBedWithItsContactsAndRefusals) {
+  const std::string table = file_text(out() / "hostile_table_fixture-1.md");
+  EXPECT_THAT(table, HasSubstr("| settled bed | 3,000 | 3.00 | 4 | 200 | 10.0 |"));
+  EXPECT_THAT(table, HasSubstr("| half as wide each way | 3,000 | 24.0 | 1,200 | 1600 (8.00×) | 80.0 (8.00×) |"));
+  EXPECT_THAT(table, HasSubstr("| a line along x | 3,000 | 3.00 | 4 | 20000 (100×) | refused [1] |"));
+  EXPECT_THAT(table, HasSubstr("[1] sorted_grid/rows, c4_n3000_line: made up: too many cells"));
+  const std::string points = file_text(out() / "hostile_fixture-1_cpu.dat");
+  EXPECT_THAT(points, HasSubstr("1 8 8 8 \"\" \"crowd\"\n2 1 1 1 \"\" \"line\""));
+  EXPECT_THAT(points, HasSubstr("1 8 7.84158 8.16162 \"\"\n2 100 98.0198 102.02"));
+  EXPECT_THAT(file_text(out() / "hostile_fixture-1_gpu.dat"), Not(HasSubstr("2 100")));
 }
 
 TEST_F(Page, SameInputSameBytes) {

@@ -11,14 +11,16 @@
 #include "bench/report/figure6.h"
 #include "bench/report/figure8.h"
 #include "bench/report/figure9.h"
+#include "bench/report/hostile.h"
 #include "bench/report/library.h"
 #include "bench/report/marks.h"
-#include "bench/report/scale.h"
 #include "bench/report/polydispersity.h"
+#include "bench/report/scale.h"
 #include "bench/report/study_tables.h"
 #include "bench/report/tables.h"
 #include "bench/report/theory_line.h"
 #include "bench/report/trajectory.h"
+#include "bench/report/updates.h"
 #include "touchstone/error.h"
 
 namespace touchstone::report {
@@ -189,6 +191,8 @@ Section trajectory(const Library& l) {
   for (const Device& d : l.of("trajectory")) {
     for (Table& t : trajectory_tables(d)) s.exhibits.push_back(l.exhibit(std::move(t), d));
     for (Figure& f : trajectory_figures(d)) s.exhibits.push_back(l.exhibit(std::move(f), d));
+    for (Table& t : update_tables(d)) s.exhibits.push_back(l.exhibit(std::move(t), d));
+    for (Figure& f : update_figures(d)) s.exhibits.push_back(l.exhibit(std::move(f), d));
     s.exhibits.push_back(l.all_cases(d));
   }
   return s;
@@ -199,6 +203,20 @@ Section polydispersity(const Library& l) {
   for (const Device& d : l.of("polydispersity")) {
     if (Figure f = polydispersity_figure(d); !f.panels.empty()) s.exhibits.push_back(l.exhibit(std::move(f), d));
     if (Table t = polydispersity_table(d); !t.rows.empty()) s.exhibits.push_back(l.exhibit(std::move(t), d));
+    s.exhibits.push_back(l.all_cases(d));
+  }
+  return s;
+}
+
+Section hostile(const Library& l) {
+  Section s{"hostile", "Hostile input", {}, {}, l.missing("hostile")};
+  s.text = {
+      "The balls of a settled bed laid out so that grids have a hard time. Every detector must stay exact or refuse with a "
+      "reason; "
+      "what it takes then, a ball, stands beside what it takes in the bed."};
+  for (const Device& d : l.of("hostile")) {
+    if (Table t = hostile_table(d); !t.rows.empty()) s.exhibits.push_back(l.exhibit(std::move(t), d));
+    if (Figure f = hostile_figure(d); !f.panels.empty()) s.exhibits.push_back(l.exhibit(std::move(f), d));
     s.exhibits.push_back(l.all_cases(d));
   }
   return s;
@@ -246,6 +264,7 @@ Contents contents(const Sources& sources) {
                        scale(l),
                        trajectory(l),
                        polydispersity(l),
+                       hostile(l),
                        machines(l)};
   } catch (const claims::Missing& m) {  // a time or a length of 0, which no run leaves behind
     throw InputError(fmt::format("{}: {}", sources.results.string(), m.what));

@@ -8,6 +8,7 @@
 
 #include "bench/report/marks.h"
 #include "bench/report/ratios.h"
+#include "bench/report/updates.h"
 
 namespace touchstone::report {
 namespace {
@@ -38,7 +39,7 @@ auto& found_or_added(List& list, Match match) {
 std::vector<Settling> settlings(const Device& device) {
   std::vector<Settling> list;
   for (const Row& r : device.rows) {
-    if (std::isnan(frame_of(r))) continue;
+    if (std::isnan(frame_of(r)) || is_update(r)) continue;
     Settling& s = found_or_added(list, [&](const Settling& other) { return other.packing == bed_of(r); });
     s.packing = bed_of(r), s.n = r.n;
     Track& t = found_or_added(s.tracks, [&](const Track& other) { return other.detector == r.detector; });
@@ -49,7 +50,8 @@ std::vector<Settling> settlings(const Device& device) {
     for (Track& t : s.tracks) {
       std::sort(t.frames.begin(), t.frames.end(), [](const Row* a, const Row* b) { return frame_of(*a) < frame_of(*b); });
       for (const Row& r : device.rows)
-        if (r.packing == s.packing && r.detector == t.detector && r.output == t.frames.front()->output) t.settled = &r;
+        if (r.packing == s.packing && !is_update(r) && r.detector == t.detector && r.output == t.frames.front()->output)
+          t.settled = &r;
     }
   return list;
 }
