@@ -10,6 +10,8 @@
 namespace touchstone {
 namespace {
 
+constexpr std::int64_t kManyBalls = 1'000'000;
+
 std::regex compile(const std::string& text, const char* option) {
   try {
     return std::regex(text);
@@ -23,8 +25,8 @@ Case peer_case(const DetectorInfo& info, const PackingSpec& packing, Order order
   c.study = "peers";
   c.output = OutputForm::pairs;
   c.order = order;
-  c.phases = on_gpu(info);
-  c.budget_s = selection.budget_s > 0 ? selection.budget_s : balls_of(packing) < 1'000'000 ? 2 : 4;
+  c.phases = on_gpu(info) && balls_of(packing) < kManyBalls;  // a hundred samples more
+  c.budget_s = selection.budget_s > 0 ? selection.budget_s : balls_of(packing) < kManyBalls ? 2 : 4;
   return c;
 }
 

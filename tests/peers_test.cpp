@@ -169,7 +169,7 @@ TEST_F(Program, RefusesInOneLine) {
   refused(" --packing n=-3", "n");
   refused(" --seconds 0", "--seconds");
   refused(" --detector serial", "--detector");
-  const Outcome none = run(" --detectors unheard_of");
+  const Outcome none = run(std::string(kTwo) + " --detectors unheard_of");
   EXPECT_EQ(none.code, kExitNothingRan);
   EXPECT_THAT(none.err, HasSubstr("no case matches"));
   EXPECT_FALSE(std::filesystem::exists(out()));
