@@ -44,8 +44,9 @@ void skip(benchmark::State& state, const std::string& error) {
 }
 
 // One word for what makes two runs' times the same kind of thing: a line of the journal is used again only under the same one.
-std::string run_key(const Json& build, const Json& host, const Json& device) {
+std::string run_key(const Json& build, const Json& host, const Json& device, const Json& added) {
   Json same = {{"build", build}, {"cpu", host["cpu"]}, {"threads", host["openmp_threads"]}};
+  if (!added.empty()) same["added"] = added;
   if (device.is_object()) same["driver"] = device["driver"];
   return fmt::format("{}|{}|{:016x}|", source_key(), machine_slug(), std::hash<std::string>{}(same.dump()));
 }
@@ -53,7 +54,7 @@ std::string run_key(const Json& build, const Json& host, const Json& device) {
 // A run: its cases provided for, registered with Google Benchmark, timed, and written down.
 class StudyRun {
  public:
-  StudyRun(const RunOptions& options, std::vector<Case> cases);
+  StudyRun(const RunOptions& options, std::vector<Case> cases, const Json& added);
   int run();
 
  private:
@@ -87,7 +88,8 @@ class StudyRun {
   bool mismatch_ = false;
 };
 
-StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options_(options), cases_(std::move(cases)) {
+StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases, const Json& added)
+    : options_(options), cases_(std::move(cases)) {
   const int others = other_compute_processes();  // before our own context
   path_ = results_path(options);
   const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
@@ -108,7 +110,7 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   }
   std::filesystem::path journal = path_;
   journal_ = std::make_unique<Journal>(journal.replace_extension(".jsonl"));
-  key_ = run_key(build_, host_, device_);
+  key_ = run_key(build_, host_, device_, added);
   provision_ = std::make_unique<Provision>(options.packing_folder, options.selection.profile, options.tuning_n, *journal_, key_);
   Json t;
   t["schema"] = "touchstone/1";
@@ -124,6 +126,7 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases) : options
   t["calibration"] = calibration_json();
   t["state"] = {{"start", start}};
   t["timed_region"] = "positions and radii resident -> contact list complete: clears, build, search; no allocation, no transfer";
+  t.update(added);
   file_ = std::make_unique<ResultsFile>(path_, std::move(t));
 }
 
@@ -281,7 +284,8 @@ int StudyRun::run() {
   if (resumed_ > 0)
     fmt::print(stderr, "{} of {} cases were measured before by this very source; --fresh measures them again\n", resumed_,
                order_.size());
-  benchmark::BenchmarkReporter::Context::executable_name = "bench_detect";  // what benchmark::Initialize would set
+  const std::string program = options_.argv.empty() ? "bench_detect" : std::filesystem::path(options_.argv[0]).filename().string();
+  benchmark::BenchmarkReporter::Context::executable_name = program.c_str();  // what benchmark::Initialize would set
   if (registered_ > 0) {
     benchmark::RunSpecifiedBenchmarks(&reporter, "all");
   } else {
@@ -312,9 +316,13 @@ int run_study(const RunOptions& options) {
                options.selection.packings);
     return kExitNothingRan;
   }
+  return run_cases(options, std::move(cases));
+}
+
+int run_cases(const RunOptions& options, std::vector<Case> cases, const Json& added) {
   catch_interrupts();
   try {
-    return StudyRun(options, std::move(cases)).run();
+    return StudyRun(options, std::move(cases), added).run();
   } catch (const Interrupted&) {
     fmt::print(stderr, "interrupted; what was finished is kept, the next run goes on from there\n");
     return kExitInterrupted;

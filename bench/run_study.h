@@ -35,4 +35,8 @@ int print_plan(const RunOptions& options);
 // Runs; returns an ExitCode. Throws InputError before anything is measured.
 int run_study(const RunOptions& options);
 
+// The same for cases that no study of the list plans; options.study names the file. `added` are further keys of
+// context.touchstone: what else the times depend on, so a case measured under other ones is measured again.
+int run_cases(const RunOptions& options, std::vector<Case> cases, const Json& added = Json::object());
+
 }  // namespace touchstone

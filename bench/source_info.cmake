@@ -6,7 +6,7 @@
 cmake_policy(SET CMP0009 NEW)  # GLOB_RECURSE does not follow links to folders
 
 # Results, plots and documents do not change what is measured.
-set(measured bench cmake CMakeLists.txt datasets include kernels reference_cpu)
+set(measured bench cmake CMakeLists.txt datasets include kernels peers reference_cpu)
 
 # Tracked or not, git or not: every file but editors' leavings.
 set(lines "")

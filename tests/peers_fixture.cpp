@@ -1,0 +1,61 @@
+// bench_peers with made-up peers, all on the CPU: one that is right, one that loses a contact, one too slow for large packings.
+#include <cstdlib>
+
+#include "bench/command_line.h"
+#include "bench/detectors.h"
+#include "peers/program.h"
+
+namespace {
+
+using namespace touchstone;
+
+class Losing final : public Detector {
+ public:
+  explicit Losing(std::unique_ptr<Detector> whole) : whole_(std::move(whole)) {}
+  void detect(BallsView in, ContactsView out, Stream& stream) override {
+    whole_->detect(in, out, stream);
+    --*out.count;
+  }
+  DetectorReport report(ContactsView out, Stream& stream) override { return whole_->report(out, stream); }
+  std::int64_t workspace_bytes() const override { return 0; }
+  DetectorParams params() const override { return {}; }
+
+ private:
+  std::unique_ptr<Detector> whole_;
+};
+
+std::unique_ptr<Detector> make_right(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
+  return find_detector("serial_multi_cell").make(facts, params, stream);
+}
+std::unique_ptr<Detector> make_losing(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
+  return std::make_unique<Losing>(make_right(facts, params, stream));
+}
+
+constexpr DetectorInfo row(const char* layout, decltype(DetectorInfo::make) make) {
+  return {.name = "madeup",
+          .layout = layout,
+          .summary = "a fixture",
+          .place = Place::host,
+          .free_cell = false,
+          .least_cell_rmax = 0,
+          .threads_broad = false,
+          .threads_narrow = false,
+          .buckets = false,
+          .known = "",
+          .make = make};
+}
+constexpr PeerRow kRows[] = {{row("right", make_right)}, {row("losing", make_losing)}, {row("slow", make_right), 1000}};
+
+std::vector<std::pair<std::string, std::string>> facts() {
+  const char* version = std::getenv("MADEUP_VERSION");
+  return {{"version", version ? version : "0"}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return guarded("peers_fixture", [&] {
+    const std::vector<Peer> peers{{"madeup", kRows, facts}};
+    return peers_program({&find_detector("serial_levels")}, peers, argc, argv);
+  });
+}
