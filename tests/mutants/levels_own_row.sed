@@ -2,4 +2,4 @@
 # file: kernels/levels.cu
 # build: address
 # detector: levels
-s/bool own_row = own && a\.lane == 0;/bool own_row = false;/
+s/bool own_row = asked\.own && a\.lane == 0;/bool own_row = false;/

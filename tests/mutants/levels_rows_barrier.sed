@@ -2,4 +2,4 @@
 # file: kernels/sorted_levels.cu
 # build: thread
 # detector: levels
-/if (lane == kWarpSize - 1) before_row\[warp\] = balls;/{n;s/__syncthreads();//}
+/if (lane == 0) before_row\[warp\] = balls;/{n;s/__syncthreads();//}
