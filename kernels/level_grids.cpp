@@ -20,6 +20,12 @@ constexpr double kCellX = 1, kCellYZ = 2;
 // A level more must save this share of the search: it has rows to sum and blocks to start.
 constexpr double kLeastSaving = 0.01;
 
+// About the number of balls that SearchTime was fitted to, the longest of the searches decides as much as their sum: there levels
+// are moved as long as the expected time falls by this share, half of what it errs by.
+constexpr std::int32_t kLeastBallsMoved = 1 << 12, kMostBallsMoved = 1 << 17;
+constexpr double kLeastSavingMoved = 0.05;
+constexpr int kPlacesForBounds = 12;
+
 // What a choice by hand may be: cells in radii; cells a ball.
 constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMostCellsABall = 1000;
 
@@ -128,6 +134,77 @@ std::vector<RadiusClass> classes_between(const PackingFacts& facts, const std::v
   return classes;
 }
 
+// The grids of these classes.
+LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vector<RadiusClass>& classes, double cell_x,
+                    double cell_yz, double cells_a_ball) {
+  LevelGrids grids;
+  const Box box = box_of(facts);
+  grids.x0 = box.lower[0], grids.y0 = box.lower[1], grids.z0 = box.lower[2];
+  for (const RadiusClass& c : classes) {
+    LevelGrid& level = grids.level[grids.levels++];
+    level = make_level(facts, c, cell_x, cell_yz, cells_a_ball);
+    level.first_entry = grids.entries, level.first_row = grids.rows;
+    grids.entries += level.rows() * (level.nx + 1);
+    grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));
+  }
+  return grids;
+}
+
+// Radii where a bound may stand: rmin, and others at equal ratios, each the end of a bin.
+std::vector<float> places_for_bounds(const PackingFacts& facts) {
+  std::vector<float> places{facts.rmin};
+  for (int k = 1; k < kPlacesForBounds; ++k) {
+    const double wanted = facts.rmin * std::pow(static_cast<double>(facts.rmax) / facts.rmin, k / double{kPlacesForBounds});
+    const auto bin = std::find_if(facts.radii.begin(), facts.radii.end(), [&](const auto& b) { return b.first >= wanted; });
+    if (bin != facts.radii.end() && bin->first > places.back() && bin->first < facts.rmax) places.push_back(bin->first);
+  }
+  return places;
+}
+
+// All bounds that differ in one: one more, one less, or one elsewhere.
+std::vector<std::vector<float>> neighbours_of(const std::vector<float>& bounds, const std::vector<float>& places) {
+  std::vector<std::vector<float>> all;
+  const auto with_one_more = [&](const std::vector<float>& some) {
+    if (std::ssize(some) + 1 >= LevelGrids::kMost) return;
+    for (const float place : places)
+      if (const auto at = std::lower_bound(some.begin(), some.end(), place); at == some.end() || *at != place) {
+        all.push_back(some);
+        all.back().insert(all.back().begin() + (at - some.begin()), place);
+      }
+  };
+  with_one_more(bounds);
+  for (std::size_t k = 0; k < bounds.size(); ++k) {
+    std::vector<float> rest = bounds;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+    all.push_back(rest);
+    with_one_more(rest);
+  }
+  return all;
+}
+
+// The classes, or others by which a search is expected to be faster.
+template <class ToGrids>
+std::vector<RadiusClass> moved(const PackingFacts& facts, std::vector<RadiusClass> classes, ToGrids&& to_grids) {
+  if (facts.n < kLeastBallsMoved || facts.n >= kMostBallsMoved || facts.rmin == facts.rmax) return classes;
+  std::vector<float> bounds;
+  for (const RadiusClass& c : classes)
+    if (&c != &classes.back()) bounds.push_back(static_cast<float>(c.radius));
+  const std::vector<float> places = places_for_bounds(facts);
+  double least = expected_us(facts, to_grids(classes));
+  for (bool better = true; better;) {
+    better = false;
+    const double before = least;
+    for (const std::vector<float>& other : neighbours_of(bounds, places)) {
+      const std::vector<RadiusClass> tried = classes_between(facts, other);
+      const double us = expected_us(facts, to_grids(tried));
+      if (us >= std::min(least, (1 - kLeastSavingMoved) * before)) continue;
+      least = us, better = true;
+      classes = tried, bounds = other;
+    }
+  }
+  return classes;
+}
+
 }  // namespace
 
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice) {
@@ -146,19 +223,11 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const L
     return instructions(expected_query(facts, radius, level.radius, level.balls, x, yz, own), own, several);
   };
 
-  LevelGrids grids;
-  const Box box = box_of(facts);
-  grids.x0 = box.lower[0], grids.y0 = box.lower[1], grids.z0 = box.lower[2];
-  const auto classes =
-      choice.bounds ? classes_between(facts, *choice.bounds) : split_radii(facts, LevelGrids::kMost, query, kLeastSaving);
-  for (const RadiusClass& c : classes) {
-    LevelGrid& level = grids.level[grids.levels++];
-    level = make_level(facts, c, cell_x, cell_yz, cells_a_ball);
-    level.first_entry = grids.entries, level.first_row = grids.rows;
-    grids.entries += level.rows() * (level.nx + 1);
-    grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));
-  }
-  return grids;
+  const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
+    return grids_of(facts, rows_a_block, classes, cell_x, cell_yz, cells_a_ball);
+  };
+  if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
+  return to_grids(moved(facts, split_radii(facts, LevelGrids::kMost, query, kLeastSaving), to_grids));
 }
 
 LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
@@ -178,6 +247,32 @@ LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
     }
   }
   return work;
+}
+
+double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
+  std::vector<double> balls(grids.levels, 0);
+  for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
+  const LevelQueries queries = plan_level_queries(facts, grids, 128);
+  double work = 0, wait = 0;
+  for (int k = 0; k < queries.count; ++k) {
+    const LevelQuery& q = queries.query[k];
+    const LevelGrid& g = grids.level[q.asked];
+    const bool own = q.asking == q.asked;
+    Query mean{0, 0};
+    for (const auto& [radius, count] : facts.radii) {
+      if (grids.level_of(radius) != q.asking) continue;
+      const Query one = expected_query(facts, radius, g.radius, balls[q.asked], 1.0 / g.inv_x, 1.0 / g.inv_yz, own);
+      mean.rows += count / balls[q.asking] * one.rows, mean.tests += count / balls[q.asking] * one.tests;
+    }
+    const auto of_a_thread = [&](const SearchTime::Instructions& i) {
+      return (own ? i.own : i.finer) + (mean.rows * i.row + mean.tests * (g.one_radius ? i.test : i.test_of_several)) /
+                                           static_cast<double>(1 << q.lane_bits);
+    };
+    work += q.blocks * of_a_thread(SearchTime::kWork);
+    wait = std::max(wait, of_a_thread(SearchTime::kWait));
+  }
+  return SearchTime::kStart + SearchTime::kBlock * work + SearchTime::kInstruction * wait + SearchTime::kEntry * grids.entries +
+         SearchTime::kRowOfCells * grids.rows;
 }
 
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice,

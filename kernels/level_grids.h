@@ -87,6 +87,17 @@ struct LevelCosts {
   static constexpr double kOwn = 200, kFiner = 1000, kRow = 35, kTest = 14, kTestOfSeveral = 18;
 };
 
+// The time of a detection on an H100, us: fitted to 4,551 detections with chosen levels and cells, 50,000 balls, C = 1 to 50
+// (docs/level_choice.md; root mean square error 11 %). A sum, and the longest of the searches.
+struct SearchTime {
+  struct Instructions {
+    double own, finer, row, test, test_of_several;  // as in LevelCosts
+  };
+  static constexpr Instructions kWork{200, 200, 35, 24, 40}, kWait{384, 1172, 54, 21.6, 102};
+  static constexpr double kStart = 9.11, kBlock = 0.91e-5, kInstruction = 0.53e-2, kEntry = 0.05e-5, kRowOfCells = 5.5e-4;
+};
+double expected_us(const PackingFacts& facts, const LevelGrids& grids);
+
 // The searches for balls as many as the facts say, in blocks of `threads`, of which the device runs `at_once` together: as many
 // threads a ball as run together, but no fewer than large packings take. Throws InputError as above.
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {},

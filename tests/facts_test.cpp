@@ -134,7 +134,7 @@ TEST(PackingHash, IsOfTheBytes) {
   EXPECT_EQ(packing_hash(balls), hash);
   balls[1].r = std::nextafter(8.0f, 9.0f);
   EXPECT_NE(packing_hash(balls), hash);
-  EXPECT_EQ(packing_hash({}), 0x2D06800538D394C2ull);  // XXH3-64 of nothing, as published
+  EXPECT_EQ(packing_hash(std::span<const Ball>{}), 0x2D06800538D394C2ull);  // XXH3-64 of nothing, as published
 }
 
 }  // namespace

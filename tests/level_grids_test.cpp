@@ -23,6 +23,16 @@ namespace {
 
 constexpr int kRowsABlock = 8, kThreads = 128;
 
+// The facts of edge^3 such packings side by side.
+PackingFacts many_times(PackingFacts facts, int edge) {
+  facts.n = 0;
+  for (auto& [radius, balls] : facts.radii) facts.n += balls *= edge * edge * edge;
+  for (Box* box : {&facts.surfaces, &facts.centres})
+    for (int axis = 0; axis < 3; ++axis)
+      box->upper[axis] = box->lower[axis] + static_cast<float>(edge) * (box->upper[axis] - box->lower[axis]);
+  return facts;
+}
+
 std::vector<Ball> mixture(int n, double cell_factor) {
   small_packings_detail::Random random(3);
   return small_packings_detail::mixture(n, cell_factor, random);
@@ -88,13 +98,7 @@ TEST(LevelGrids, KeepTheirSizeWhateverTheBox) {
 // Two billion balls, said to be there: an index of 32-bit entries must do, in each level and in all together.
 TEST(LevelGrids, FitThirtyTwoBitsAtTheMostBallsThereCanBe) {
   for (const double cell_factor : {1.0, 4.0}) {
-    PackingFacts facts = facts_of(mixture(20000, cell_factor));
-    const float larger = 47;  // times in each direction: its cube is 103,823
-    for (int axis = 0; axis < 3; ++axis)
-      for (Box* const box : {&facts.centres, &facts.surfaces})
-        box->upper[axis] = box->lower[axis] + larger * (box->upper[axis] - box->lower[axis]);
-    facts.n = 0;
-    for (auto& [radius, balls] : facts.radii) facts.n += balls *= 103823;
+    const PackingFacts facts = many_times(facts_of(mixture(20000, cell_factor)), 47);
     ASSERT_GT(facts.n, 2'000'000'000);
     const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
     double entries = 0;
@@ -127,6 +131,26 @@ TEST(LevelQueries, EachLevelAsksItselfAndAllFinerOnesOnce) {
       blocks += q.blocks;
     }
   }
+}
+
+TEST(LevelQueries, HaveAsManyThreadsABallAsRunAtOnce) {
+  const PackingFacts facts = facts_of(mixture(20000, 4));
+  const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+  ASSERT_EQ(grids.levels, 2);
+  const auto plan = [&](std::int64_t at_once) { return plan_level_queries(facts, grids, kThreads, {}, at_once); };
+  const auto blocks = [](const LevelQueries& q) { return q.query[q.count - 1].first_block + q.query[q.count - 1].blocks; };
+  const auto lanes = [](const LevelQueries& q) {  // finer, own, finest
+    return std::vector<int>{1 << q.query[0].lane_bits, 1 << q.query[1].lane_bits, 1 << q.query[2].lane_bits};
+  };
+  const LevelQueries free = plan(1 << 20), fewest = plan(1);
+  EXPECT_EQ(lanes(free), (std::vector<int>{32, 4, 4}));
+  EXPECT_EQ(lanes(fewest), (std::vector<int>{8, 1, 1})) << "as large packings take";
+  ASSERT_GT(blocks(free), blocks(fewest) + 2);
+  for (std::int64_t at_once = blocks(fewest); at_once < blocks(free); ++at_once) {
+    ASSERT_LE(blocks(plan(at_once)), at_once);
+    if (lanes(plan(at_once))[0] < 32) ASSERT_EQ(lanes(plan(at_once))[2], 1) << "the finest level gives way first";
+  }
+  EXPECT_EQ(lanes(plan(blocks(free))), lanes(free));
 }
 
 // ---- the cost model ----
@@ -214,10 +238,10 @@ TEST(LevelWork, IsWhatTheSearchesMeet) {
   }
 }
 
-// By the model other levels are no better than the plan.
+// By the model other levels are no better than the plan, where the sum of all searches decides.
 TEST(LevelWork, OfThePlanIsLeast) {
   for (const auto& [mix, cell_factor] : {std::pair{Mix::table1, 6.0}, {Mix::uniform, 20.0}, {Mix::power_law, 100.0}}) {
-    const PackingFacts facts = facts_of(loose(mix, cell_factor));
+    const PackingFacts facts = many_times(facts_of(loose(mix, cell_factor)), 2);
     const auto cost = [&](const LevelChoice& choice) {
       return expected_work(facts, plan_level_grids(facts, kRowsABlock, choice)).instructions;
     };
@@ -227,6 +251,21 @@ TEST(LevelWork, OfThePlanIsLeast) {
       EXPECT_LT(planned, 1.03 * cost({.bounds = bounds_at(facts, {share})})) << to_string(mix) << ", two levels, " << share;
     EXPECT_LT(planned, 1.03 * cost({.bounds = bounds_at(facts, {0, 0.1f, 0.3f})})) << to_string(mix);
   }
+}
+
+// Where few large balls would be searched last, a level more is expected to save time; what saves less than the model errs by is
+// left.
+TEST(LevelWork, LongSearchesAreCutShort) {
+  const PackingFacts facts = facts_of(loose(Mix::table1, 20, 50000));
+  const auto us = [&](const LevelChoice& choice) { return expected_us(facts, plan_level_grids(facts, kRowsABlock, choice)); };
+  const LevelGrids planned = plan_level_grids(facts, kRowsABlock);
+  ASSERT_GE(planned.levels, 3);
+  EXPECT_EQ(planned.level[0].radius, facts.rmin);
+  EXPECT_GT(planned.level[planned.levels - 2].radius, 0.4f * facts.rmax);
+  EXPECT_LT(expected_us(facts, planned), 0.95 * us({.bounds = std::vector<float>{facts.rmin}}));
+  for (const float share : {0.2f, 0.4f, 0.6f, 0.8f})
+    EXPECT_GT(us({.bounds = bounds_at(facts, {0, share})}), 0.95 * expected_us(facts, planned)) << share;
+  EXPECT_EQ(plan_level_grids(many_times(facts, 4), kRowsABlock).levels, 2) << "there the sum decides";
 }
 
 // Splits are taken one at a time. Every set of classes, by dynamic programming: what asking a class costs depends on it alone.
