@@ -20,7 +20,7 @@ set mxtics 1
 if (log_y) { set logscale y; set mytics 1; }
 set yrange [y_low:*]
 set format y "%g"
-set lmargin at screen 0.135
+set lmargin at screen 0.16
 set rmargin at screen 0.985
 set tmargin at screen 1 - 40.0 / (420 + 19 * blocks)
 set bmargin at screen 1 - 345.0 / (420 + 19 * blocks)
