@@ -54,12 +54,21 @@ const json& two_cases() {
   return file;
 }
 
+int committed_cases() { return committed()["context"]["touchstone"]["run"]["done"].get<int>(); }
+
 std::vector<std::string> faults(const json& file) { return submission_faults(file, expected(), kFolder, "table2"); }
 
 TEST(Submission, CommittedResultsPass) {
   EXPECT_THAT(faults(committed()), IsEmpty());
   ASSERT_EQ(two_cases()["benchmarks"].size(), 18u);
   EXPECT_THAT(faults(two_cases()), IsEmpty());
+}
+
+// Not required: added since the first files were committed, only of trees without a repository, only of GPU cases.
+bool may_be_missing(const std::string& key) {
+  for (const char* const one : {"left_out", "aslr", "display_active", "bytes_workspace", "stated", "kernels"})
+    if (key == one) return true;
+  return false;
 }
 
 // Every field of the records, one after the other: taken away, or of a type that it cannot have.
@@ -87,7 +96,7 @@ TEST(Submission, AMissingOrMistypedFieldIsNamed) {
       bad[at][key] = item.value().is_object() ? json(17) : json{{"damaged", true}};  // null too may become an object
       EXPECT_THAT(faults(bad), Contains(HasSubstr(key))) << object << "/" << key << " is " << bad[at][key];
       ++damaged;
-      if (key == "stated" || key == "kernels") continue;  // only of trees without a repository; only of GPU cases
+      if (may_be_missing(key)) continue;
       bad = two_cases();
       bad[at].erase(key);
       EXPECT_THAT(faults(bad), Contains(HasSubstr(key))) << object << "/" << key << " is missing";
@@ -177,7 +186,7 @@ TEST(Submission, AWrongValueIsNamed) {
       {"/benchmarks/9/name", "another", "name"},
       {"/benchmarks/9/samples_us/7", 0, "samples_us"},
       {"/benchmarks/9/samples_us/7", -3.0, "samples_us"},
-      {"/benchmarks/9/samples_us/7", 1e-3, "samples_us"},
+      {"/benchmarks/9/samples_us", std::vector<double>(two_cases()["benchmarks"][9]["samples_us"].size(), 1e-3), "samples_us"},
       {"/benchmarks/9/samples_us", json::array(), "samples_us"},
       {"/benchmarks/10/case/bytes_peak", 17, "case differs between repetitions"},
       {"/benchmarks/10/repetition_index", 3, "repetition_index"},
@@ -226,8 +235,8 @@ TEST(Submission, AMissingEntryOrCaseIsSeen) {
 TEST(Submission, OneFaultOfManyCasesIsOneLine) {
   json bad = committed();
   for (json& e : bad["benchmarks"]) e["case"]["verified"] = false;
-  EXPECT_THAT(faults(bad),
-              ElementsAre(HasSubstr("verified is false: no time of an unverified contact set is taken (and 467 more such)")));
+  EXPECT_THAT(faults(bad), ElementsAre(HasSubstr("verified is false: no time of an unverified contact set is taken (and " +
+                                                 std::to_string(committed_cases() - 1) + " more such)")));
 }
 
 // Whole files, as a person would check and publish them.
@@ -243,7 +252,7 @@ class SubmitCommand : public ::testing::Test {
 TEST_F(SubmitCommand, SaysWhatToDoWithAGoodFile) {
   const Outcome o = submit((kSource / "results" / kFolder / "table2.json").string());
   ASSERT_EQ(o.code, 0) << o.err;
-  EXPECT_THAT(o.out, HasSubstr("all checks pass: 468 cases on NVIDIA H100 80GB HBM3"));
+  EXPECT_THAT(o.out, HasSubstr("all checks pass: " + std::to_string(committed_cases()) + " cases on NVIDIA H100 80GB HBM3"));
   EXPECT_THAT(o.out, HasSubstr("  flag noise: "));
   EXPECT_THAT(o.out, HasSubstr("results/nvidia-h100-80gb-hbm3/table2.json"));
   EXPECT_EQ(o.err, "");
