@@ -150,17 +150,7 @@ std::unique_ptr<Detector> make(const PackingFacts& facts, const DetectorParams&,
 }
 
 constexpr DetectorInfo row(const char* layout, const char* summary, decltype(DetectorInfo::make) make) {
-  return {.name = "arborx",
-          .layout = layout,
-          .summary = summary,
-          .place = Place::device,
-          .free_cell = false,
-          .least_cell_rmax = 0,
-          .threads_broad = false,
-          .threads_narrow = false,
-          .buckets = false,
-          .known = "rmax",
-          .make = make};
+  return peer_info("arborx", layout, summary, "rmax", Place::device, make);
 }
 
 constexpr PeerRow kRows[] = {

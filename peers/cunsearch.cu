@@ -111,17 +111,7 @@ std::unique_ptr<Detector> make(const PackingFacts& facts, const DetectorParams&,
 }
 
 constexpr PeerRow kRows[] = {
-    {{.name = "cunsearch",
-      .layout = "",
-      .summary = "cuNSearch: neighbours within 2 rmax, filtered",
-      .place = Place::device,
-      .free_cell = false,
-      .least_cell_rmax = 0,
-      .threads_broad = false,
-      .threads_narrow = false,
-      .buckets = false,
-      .known = "rmax,box",
-      .make = make}},
+    {peer_info("cunsearch", "", "cuNSearch: neighbours within 2 rmax, filtered", "rmax,box", Place::device, make)},
 };
 
 std::vector<std::pair<std::string, std::string>> facts() {

@@ -19,6 +19,22 @@ struct PeerRow {
   std::int64_t most_balls = std::numeric_limits<std::int64_t>::max();  // beyond, a sample takes seconds: left out, and said
 };
 
+// A row of a library: the suite has nothing of it to tune.
+constexpr DetectorInfo peer_info(std::string_view name, std::string_view layout, std::string_view summary, std::string_view known,
+                                 Place place, decltype(DetectorInfo::make) make) {
+  return {.name = name,
+          .layout = layout,
+          .summary = summary,
+          .place = place,
+          .free_cell = false,
+          .least_cell_rmax = 0,
+          .threads_broad = false,
+          .threads_narrow = false,
+          .buckets = false,
+          .known = known,
+          .make = make};
+}
+
 struct Peer {
   std::string_view name;  // info.name of its rows
   std::span<const PeerRow> rows;

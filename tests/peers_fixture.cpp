@@ -32,17 +32,7 @@ std::unique_ptr<Detector> make_losing(const PackingFacts& facts, const DetectorP
 }
 
 constexpr DetectorInfo row(const char* layout, decltype(DetectorInfo::make) make) {
-  return {.name = "madeup",
-          .layout = layout,
-          .summary = "a fixture",
-          .place = Place::host,
-          .free_cell = false,
-          .least_cell_rmax = 0,
-          .threads_broad = false,
-          .threads_narrow = false,
-          .buckets = false,
-          .known = "",
-          .make = make};
+  return peer_info("madeup", layout, "a fixture", "", Place::host, make);
 }
 constexpr PeerRow kRows[] = {{row("right", make_right)}, {row("losing", make_losing)}, {row("slow", make_right), 1000}};
 
