@@ -173,12 +173,10 @@ bool can_overlap(Kernel* kernel) {
 // Blocks of this shape that the current device runs at once.
 template <class... Params>
 std::int64_t blocks_at_once(LaunchShape shape, void (*kernel)(Params...)) {
-  dialect_detail::allow_shared(kernel, shape.shared_bytes);
-  int device = 0, multiprocessors = 0, blocks = 0;
+  int device = 0, multiprocessors = 0;
   check(cudaGetDevice(&device));
   check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
-  check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, shape.threads, shape.shared_bytes));
-  return std::int64_t{multiprocessors} * blocks;
+  return std::int64_t{multiprocessors} * kernel_facts("", "", shape, kernel).blocks_an_sm;
 }
 
 __device__ inline void wait_for_kernel_before() {

@@ -87,9 +87,16 @@ Query expected_query(const PackingFacts& facts, double radius, double most, doub
   return own ? Query{(rows + 1) / 2, balls * share / 2} : Query{rows, balls * share};
 }
 
-double instructions(const Query& q, bool own, bool several) {
-  return (own ? LevelCosts::kOwn : LevelCosts::kFiner) + q.rows * LevelCosts::kRow +
-         q.tests * (several ? LevelCosts::kTestOfSeveral : LevelCosts::kTest);
+// Of a thread, where `lanes` share the ball.
+double instructions(const Query& q, bool own, bool several, const LevelCosts& costs = kLevelCosts, int lanes = 1) {
+  const double shared = q.rows * costs.row + q.tests * (several ? costs.test_of_several : costs.test);
+  return (own ? costs.own : costs.finer) + shared / lanes;
+}
+
+std::vector<double> balls_of_levels(const PackingFacts& facts, const LevelGrids& grids) {
+  std::vector<double> balls(grids.levels, 0);
+  for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
+  return balls;
 }
 
 // How much larger than asked for a level's cells become, so that they are not too many: what make_level() will find.
@@ -231,8 +238,7 @@ LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const L
 }
 
 LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
-  std::vector<double> balls(grids.levels, 0);
-  for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
+  const std::vector<double> balls = balls_of_levels(facts, grids);
   LevelWork work;
   for (const auto& [radius, count] : facts.radii) {
     const int own = grids.level_of(radius);
@@ -250,8 +256,7 @@ LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
 }
 
 double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
-  std::vector<double> balls(grids.levels, 0);
-  for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
+  const std::vector<double> balls = balls_of_levels(facts, grids);
   const LevelQueries queries = plan_level_queries(facts, grids, 128);
   double work = 0, wait = 0;
   for (int k = 0; k < queries.count; ++k) {
@@ -264,9 +269,8 @@ double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
       const Query one = expected_query(facts, radius, g.radius, balls[q.asked], 1.0 / g.inv_x, 1.0 / g.inv_yz, own);
       mean.rows += count / balls[q.asking] * one.rows, mean.tests += count / balls[q.asking] * one.tests;
     }
-    const auto of_a_thread = [&](const SearchTime::Instructions& i) {
-      return (own ? i.own : i.finer) + (mean.rows * i.row + mean.tests * (g.one_radius ? i.test : i.test_of_several)) /
-                                           static_cast<double>(1 << q.lane_bits);
+    const auto of_a_thread = [&](const LevelCosts& costs) {
+      return instructions(mean, own, !g.one_radius, costs, 1 << q.lane_bits);
     };
     work += q.blocks * of_a_thread(SearchTime::kWork);
     wait = std::max(wait, of_a_thread(SearchTime::kWait));
@@ -277,8 +281,7 @@ double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
 
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice,
                                 std::int64_t at_once) {
-  std::vector<double> balls(grids.levels, 0);
-  for (const auto& [radius, count] : facts.radii) balls[grids.level_of(radius)] += count;
+  const std::vector<double> balls = balls_of_levels(facts, grids);
 
   // With so few threads or fewer a large GPU has too few warps to switch between: then several a ball.
   constexpr double kThreads = 1 << 16;

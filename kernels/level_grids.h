@@ -77,23 +77,21 @@ struct LevelWork {
   double queries = 0;       // levels asked
   double rows = 0;          // rows of cells asked
   double tests = 0;         // balls tested
-  double instructions = 0;  // of a thread: these, weighed by LevelCosts
+  double instructions = 0;  // of a thread: these, weighed by kLevelCosts
 };
 LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids);
 
-// What a search costs, in instructions of a thread (docs/levels.md, "Floors"): once for a ball that asks its own level, or a
-// finer one, where many threads share it; for a row of cells; for a ball tested, in a level of one radius or of several.
+// What a search costs, in instructions of a thread: once for a ball that asks its own level, or a finer one, where many threads
+// share it; for a row of cells; for a ball tested, in a level of one radius or of several.
 struct LevelCosts {
-  static constexpr double kOwn = 200, kFiner = 1000, kRow = 35, kTest = 14, kTestOfSeveral = 18;
+  double own, finer, row, test, test_of_several;
 };
+inline constexpr LevelCosts kLevelCosts{200, 1000, 35, 14, 18};  // docs/levels.md, "Floors"
 
 // The time of a detection on an H100, us: fitted to 4,551 detections with chosen levels and cells, 50,000 balls, C = 1 to 50
 // (docs/level_choice.md; root mean square error 11 %). A sum, and the longest of the searches.
 struct SearchTime {
-  struct Instructions {
-    double own, finer, row, test, test_of_several;  // as in LevelCosts
-  };
-  static constexpr Instructions kWork{200, 200, 35, 24, 40}, kWait{384, 1172, 54, 21.6, 102};
+  static constexpr LevelCosts kWork{200, 200, 35, 24, 40}, kWait{384, 1172, 54, 21.6, 102};
   static constexpr double kStart = 9.11, kBlock = 0.91e-5, kInstruction = 0.53e-2, kEntry = 0.05e-5, kRowOfCells = 5.5e-4;
 };
 double expected_us(const PackingFacts& facts, const LevelGrids& grids);

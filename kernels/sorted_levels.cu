@@ -176,14 +176,6 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   if (real && lane == 0) start[cells] = place;
 }
 
-__device__ inline void put(const SortedLevelsView& index, const LevelGrids& grids, const LevelGrid& g, const Sourced& s,
-                           std::int32_t place) {
-  const Ball& b = s.ball;
-  index.ball[place] = {b.x, b.y, b.z, g.one_radius ? s.number : __float_as_int(b.r)};
-  if (!g.one_radius) index.number[place] = s.number;
-  if (index.row) index.row[place] = row_of(grids, g, b);
-}
-
 // One thread a ball: moves it to its place. Clears what the kernels before have counted by, and settles the drift.
 __global__ void move_kernel(BallSource source, const __grid_constant__ LevelGrids grids, SortedLevelsView index, bool always) {
   let_next_kernel_begin();
@@ -199,7 +191,10 @@ __global__ void move_kernel(BallSource source, const __grid_constant__ LevelGrid
   if (!refiles) return;
   if (k < grids.levels) index.counted[k] = index.odd[k] = index.taken[k] = 0;
   if (k >= source.n) return;
-  put(index, grids, g, s, index.start[entry] + index.rank[k]);
+  const std::int32_t place = index.start[entry] + index.rank[k];
+  index.ball[place] = {b.x, b.y, b.z, g.one_radius ? s.number : __float_as_int(b.r)};
+  if (!g.one_radius) index.number[place] = s.number;
+  if (index.row) index.row[place] = row_of(grids, g, b);
 }
 
 bool any_of_several_radii(const LevelGrids& grids) {

@@ -234,7 +234,7 @@ TEST(LevelWork, IsWhatTheSearchesMeet) {
     EXPECT_GT(counted.rows / expected.rows, 0.9);
     EXPECT_LT(counted.tests / expected.tests, 1.1);
     EXPECT_GT(counted.tests / expected.tests, 0.9);
-    EXPECT_GT(expected.instructions, expected.rows * LevelCosts::kRow + expected.tests * LevelCosts::kTest);
+    EXPECT_GT(expected.instructions, expected.rows * kLevelCosts.row + expected.tests * kLevelCosts.test);
   }
 }
 
