@@ -284,7 +284,8 @@ int StudyRun::run() {
   if (resumed_ > 0)
     fmt::print(stderr, "{} of {} cases were measured before by this very source; --fresh measures them again\n", resumed_,
                order_.size());
-  const std::string program = options_.argv.empty() ? "bench_detect" : std::filesystem::path(options_.argv[0]).filename().string();
+  const std::string program =
+      options_.argv.empty() ? "bench_detect" : std::filesystem::path(options_.argv[0]).filename().string();
   benchmark::BenchmarkReporter::Context::executable_name = program.c_str();  // what benchmark::Initialize would set
   if (registered_ > 0) {
     benchmark::RunSpecifiedBenchmarks(&reporter, "all");

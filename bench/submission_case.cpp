@@ -115,9 +115,13 @@ class CaseCheck {
     for (const char* key : {"rmin_cm", "rmax_cm", "ravg_cm"})
       require(close(case_[key], e[key], 0, 1e-6),
               fmt::format("{} of {} is {}; expected.json has {}", key, packing, case_[key].dump(), e[key].dump()));
-    const std::string begin = fmt::format("c{}_n{}", case_["cell_factor"].get<double>(), e["n"].get<std::int64_t>());
+    const bool tiled = case_.contains("tile_balls");
+    const std::int64_t n = e["n"], of_base = tiled ? case_["tile_balls"].get<std::int64_t>() : n;
+    const std::string begin = fmt::format("c{}_n{}", case_["cell_factor"].get<double>(), of_base);
     require(packing == begin || packing.starts_with(begin + "_"),
-            fmt::format("cell_factor is {}, packing {}", case_["cell_factor"].dump(), packing));
+            fmt::format("cell_factor is {}, {} balls, packing {}", case_["cell_factor"].dump(), of_base, packing));
+    require(tiled == packing.ends_with(fmt::format("_tiled{}", n)),
+            fmt::format("tile_balls is {}, packing {} of {} balls", tiled ? "given" : "not given", packing, n));
     const auto seed = packing.find("_s");
     const bool seeded = seed != std::string::npos && std::isdigit(static_cast<unsigned char>(packing[seed + 2]));
     require(case_["seed"] == (seeded ? std::stoull(packing.substr(seed + 2)) : 1),

@@ -10,20 +10,13 @@ namespace {
 using nlohmann::json;
 using enum FieldType;
 
-constexpr Field kRun[] = {{"id", text},
-                          {"start", utc},
-                          {"end", utc},
-                          {"argv", texts},
-                          {"study", text},
-                          {"profile", text},
-                          {"planned", count},
-                          {"left_out", count, false},
-                          {"done", count},
-                          {"resumed", count},
-                          {"complete", flag},
-                          {"reportable", flag},
-                          {"why_not", texts},
-                          {"kept_from_other_selections", count}};
+constexpr Field kRun[] = {{"id", text},       {"start", utc},
+                          {"end", utc},       {"argv", texts},
+                          {"study", text},    {"profile", text},
+                          {"planned", count}, {"left_out", count, false},
+                          {"done", count},    {"resumed", count},
+                          {"complete", flag}, {"reportable", flag},
+                          {"why_not", texts}, {"kept_from_other_selections", count}};
 constexpr Field kSource[] = {
     {"version", text}, {"commit", commit}, {"dirty", flag}, {"content_hash", hash}, {"stated", flag, false}};
 constexpr Field kBuild[] = {{"type", text},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "tests/run_program.h"
 
@@ -57,11 +58,31 @@ TEST_F(Programs, PackRefusesInOneLineAndWritesNothing) {
   expect_refused("pack " + kLoose + "--out " + file("p.stl"), 2, "stl");
   expect_refused("pack " + kLoose + "--format csv", 2, "--format goes with --out");
   expect_refused("pack --set no_such_set", 2, "no_such_set");
+  write_text(path() / "garbage.json", "[]");
+  expect_refused("pack --set table2 --record " + file("garbage.json"), 2, "garbage.json: no object `packings`");
   expect_refused("pack --check " + file("absent.csv"), 2, "absent.csv");
   expect_refused("pack --check " + file("bad.csv"), 2, "bad.csv: line 3: z is nan");
   expect_refused("pack --check " + file("bad.csv") + " --out " + file("good.xyz"), 2, "line 3");
   expect_refused("pack --set table2 --out " + file("p.csv"), 2, "--out goes with");
-  EXPECT_THAT(files(), ::testing::ElementsAre("bad.csv"));
+  EXPECT_THAT(files(), ::testing::UnorderedElementsAre("bad.csv", "garbage.json"));
+}
+
+TEST_F(Programs, PackRecordsWhatEverybodyMustFindOnTiledPackingsToo) {
+  write_text(path() / "set.json", R"({"packings": [{"n": 50, "c": 2, "kind": "loose", "base": "cube"},
+                                                   {"n": 50, "c": 2, "kind": "loose", "base": "cube", "tiled": 125}]})");
+  const Outcome o = touchstone("pack --set " + file("set.json") + " --record " + file("expected.json"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  const nlohmann::json recorded = nlohmann::json::parse(file_text(file("expected.json")))["packings"];
+  ASSERT_EQ(recorded.size(), 2u);
+  const nlohmann::json& base = recorded["c2_n50_cube_loose60"];
+  const nlohmann::json& tiled = recorded["c2_n50_cube_loose60_tiled125"];
+  EXPECT_THAT(o.out, HasSubstr(base["packing_hash"].get<std::string>()));
+  EXPECT_EQ(tiled["n"], 125);
+  EXPECT_EQ(tiled["rmax_cm"], base["rmax_cm"]);
+  EXPECT_GT(tiled["contacts"], 2 * base["contacts"].get<int>()) << "of two whole tiles, and of a half";
+  EXPECT_LT(tiled["contacts"], 3 * base["contacts"].get<int>());
+  const Outcome detected = touchstone("detect --spec n=50,c=2,kind=loose,base=cube,tiled=125 --detector serial_levels");
+  EXPECT_THAT(detected.out, HasSubstr(tiled["contact_hash"].get<std::string>())) << detected.err;
 }
 
 TEST_F(Programs, PackLeavesAnOldFileWholeIfTheNewOneCannotBeMade) {

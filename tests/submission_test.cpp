@@ -8,6 +8,7 @@
 
 #include "bench/expected.h"
 #include "bench/strict_json.h"
+#include "bench/submission_case.h"
 #include "tests/run_program.h"
 #include "touchstone/error.h"
 
@@ -103,6 +104,31 @@ TEST(Submission, AMissingOrMistypedFieldIsNamed) {
     }
   }
   EXPECT_GT(damaged, 150);
+}
+
+// A tiled packing is named after its base, and how many balls the tiles hold.
+TEST(Submission, TiledPackingsAreCheckedLikeOthers) {
+  const json file = parse_strict_json(file_text(kSource / "results" / kFolder / "trial/scale.json"), "trial/scale.json");
+  std::vector<json> entries;
+  for (const json& e : file["benchmarks"])
+    if (e["case"]["packing"] == "c1_n50000_tiled10000000" && e["case"]["order"] == "shuffled" &&
+        e["case"]["detector"] == "levels")
+      entries.push_back(e);
+  const auto faults_with = [&](const char* key, const json& value) {
+    std::vector<const json*> all;
+    for (json& e : entries) {
+      value.is_null() ? void(e["case"].erase(key)) : void(e["case"][key] = value);
+      all.push_back(&e);
+    }
+    Faults faults;
+    check_case(all, expected(), file["context"]["touchstone"], faults);
+    return faults.lines();
+  };
+  ASSERT_EQ(entries.size(), 18u) << "levels, and levels reproducible";
+  entries.resize(9);
+  EXPECT_THAT(faults_with("tile_balls", 50000), IsEmpty());
+  EXPECT_THAT(faults_with("tile_balls", 49999), Contains(HasSubstr("49999 balls")));
+  EXPECT_THAT(faults_with("tile_balls", nullptr), Contains(HasSubstr("tile_balls is not given")));
 }
 
 // Values of the right type that contradict something else in the file, expected.json, or what may be submitted at all.
