@@ -76,6 +76,12 @@ PackingLabel PackingContext::label() {
   return {packing.name, hash_, packing.seed};
 }
 
+const Packing& PackingContext::whole() {
+  if (!tiled) return packing;
+  if (!whole_) whole_ = Packing{packing.name, tiled->in_order(Order::sorted), packing.seed};
+  return *whole_;
+}
+
 std::int64_t PackingContext::capacity(OutputForm form) const {
   return tiled && form == OutputForm::pairs ? tiled->expected_contacts() : 0;
 }

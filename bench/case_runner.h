@@ -24,6 +24,8 @@ class PackingContext {
   std::span<const Ball> ordered(Order order);  // on the host; kept
   Numbering numbering(Order order);            // of ordered()'s balls; a table lies on the host
   PackingLabel label();
+  // `packing`, of a tiled one with its balls, which are sorted then; kept.
+  const Packing& whole();
   // A guess at the pair list's size; 0: default_capacity.
   std::int64_t capacity(OutputForm form) const;
   // The balls where the detector runs.
@@ -44,6 +46,7 @@ class PackingContext {
   std::unique_ptr<Reference> reference_;
   std::optional<FrameFacts> frame_;
   std::map<Order, OrderedBalls> orders_;
+  std::optional<Packing> whole_;
   std::uint64_t hash_ = 0;
 };
 

@@ -52,7 +52,7 @@ Needs needs_of(const std::vector<Case>& cases, const std::filesystem::path& pack
   }
   for (const Case& c : cases) {
     if (!needs_tuning(c)) continue;
-    const PackingSpec on = tuning_spec(c.packing, profile, tuning_n);
+    const PackingSpec on = tuning_spec(c, profile, tuning_n);
     add(on);
     if (tunings.insert(name_of_tuning(c, on)).second) ++needs.tunings;
   }
@@ -67,7 +67,7 @@ Provision::Provision(std::filesystem::path packing_folder, Profile profile, std:
       journal_(journal),
       key_prefix_(std::move(key_prefix)) {}
 
-std::string Provision::tuning_name(const Case& c) const { return name_of_tuning(c, tuning_spec(c.packing, profile_, tuning_n_)); }
+std::string Provision::tuning_name(const Case& c) const { return name_of_tuning(c, tuning_spec(c, profile_, tuning_n_)); }
 
 double Provision::estimated_seconds(const std::vector<Case>& cases) const {
   const Needs needs = needs_of(cases, folder_, profile_, tuning_n_);
@@ -122,7 +122,7 @@ void Provision::tune_for(const Case& c, bool fresh, Eta& eta) {
   const std::string name = tuning_name(c);
   if (tunings_.count(name)) return;
   stop_if_interrupted();
-  PackingContext& context = load(tuning_spec(c.packing, profile_, tuning_n_), eta);
+  PackingContext& context = load(tuning_spec(c, profile_, tuning_n_), eta);
   const std::string key = key_prefix_ + "tuning|" + name + "|" + hex64(context.label().hash);
   if (const Json* line = fresh ? nullptr : journal_.find(key)) {
     const Json& t = (*line)["tuning"];
@@ -130,7 +130,7 @@ void Provision::tune_for(const Case& c, bool fresh, Eta& eta) {
   } else {
     eta.show(done_, fmt::format("tuning {}", name));
     Stream stream(c.detector->place);
-    const Tuning t = tune(*c.detector, c.output, context.packing, context.facts, context.reference(), stream,
+    const Tuning t = tune(*c.detector, c.output, context.whole(), context.facts, context.reference(), stream,
                           [](const std::string&) { stop_if_interrupted(); });
     tunings_[name] = t;
     journal_.append(key, {{"tuning",

@@ -15,6 +15,10 @@
 namespace touchstone {
 namespace {
 
+// A GPU that 20,653 balls leave half idle wants other threads and cells than one that works through millions. The fewest that
+// detectors treat as many (docs/levels.md, "Large packings").
+constexpr std::int64_t kMany = 1'000'000, kTiledToTune = 1 << 21;
+
 constexpr StudyInfo kStudies[] = {
     {"table2", "Table 2 and Figure 8: every detector at seven sizes, paper's protocol, best and rule", plan_table2},
     {"figure6", "Figure 6: GPU time against cell size, C = 1 to 6, 50,000 balls", plan_figure6},
@@ -83,14 +87,22 @@ std::vector<PackingSpec> packings_of_study(std::string_view study) {
   std::vector<PackingSpec> specs;
   std::set<std::string> names;
   for (const Case& c : plan_study(study, {.profile = Profile::full}))
-    if (names.insert(name_of(base_of(c.packing))).second) specs.push_back(base_of(c.packing));
+    if (names.insert(name_of(c.packing)).second) specs.push_back(c.packing);
   return specs;
 }
 
-PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n) {
+PackingSpec tuning_spec(const Case& c, Profile profile, std::int32_t n) {
+  const PackingSpec& like = c.packing;
   PackingSpec spec = plain_of(settled_of(base_of(like)));
   const std::int32_t most = profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
-  spec.n = n > 0 ? n : spec.kind == PackingKind::settled ? most : std::min(like.n, most);
+  const bool many = on_gpu(*c.detector) && balls_of(like) >= kMany;
+  if (n > 0)
+    spec.n = n;
+  else if (spec.kind == PackingKind::settled)
+    spec.n = most;
+  else if (!many)
+    spec.n = std::min(like.n, most);
+  if (many && like.tiled != 0) spec.tiled = kTiledToTune;
   spec.seed = like.seed == 2 ? 1 : 2;
   return spec;
 }

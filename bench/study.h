@@ -34,12 +34,13 @@ std::vector<Case> plan_study(std::string_view study, const StudyOptions& options
 // Of a settling's frames a profile takes every tenth (`default`) or fourth (`full`), the first and the last among them.
 std::int32_t frames_between(Profile profile);
 
-// The packings of a study in full, each once, bases of tiled ones; on a machine without a GPU those that its CPU cases need.
+// The packings of a study in full, each once; on a machine without a GPU those that its CPU cases need.
 std::vector<PackingSpec> packings_of_study(std::string_view study);
 
 // The spec whose packing tunes a case of Protocol::best: like its own, of seed 2 (or 1, for cases of seed 2), so that no
-// packing reported is one tuned on. n = 0: the profile's choice.
-PackingSpec tuning_spec(const PackingSpec& like, Profile profile, std::int32_t n);
+// packing reported is one tuned on. n = 0: the profile's choice. A GPU's cases
+// of 10^6 balls and more are tuned on as many, tiled ones on 2^21.
+PackingSpec tuning_spec(const Case& c, Profile profile, std::int32_t n);
 
 // True where Protocol::best has something to choose.
 bool tunable(const DetectorInfo& info);

@@ -28,9 +28,9 @@ struct Probe {
   std::int64_t bytes = 0;  // input, workspace and output
 };
 
-// Builds the detector, compares its whole contact set with the reference, warms up, takes up to `samples` hot samples (fewer, one
-// at least, where they last longer than 10 ms). Throws InputError where the parameters are refused or memory does not
-// suffice, Mismatch where the contact set differs.
+// Builds the detector, compares its whole contact set with the reference (beyond 10^6 balls by count and hash), warms up, takes
+// up to `samples` hot samples (fewer, one at least, where they last longer than 10 ms). Throws InputError where the parameters
+// are refused or memory does not suffice, Mismatch where the contact set differs.
 Probe probe(const TuningTask& task, const DetectorParams& params, int samples);
 
 // Cells of a search are multiples of ravg, or of rmax where the detector needs at least so many of these: so they carry over

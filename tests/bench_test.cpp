@@ -308,7 +308,7 @@ TEST(Needs, EachPackingAndEachTuningIsCountedOnce) {
   best.output = OutputForm::pairs;
   rows.output = OutputForm::ball_lists;
   const std::vector<Case> cases{paper, best, best, rows};
-  const PackingSpec on = tuning_spec(best.packing, Profile::fast, 0);
+  const PackingSpec on = tuning_spec(best, Profile::fast, 0);
   Needs needs = needs_of(cases, folder.path(), Profile::fast, 0);
   ASSERT_EQ(needs.packings.size(), 2u);
   EXPECT_EQ(name_of(needs.packings[0].spec), name_of(best.packing));

@@ -160,7 +160,9 @@ TEST(HostileSpec, WordsNamesAndWhatDoesNotGoTogether) {
   EXPECT_EQ(name_of(plain_of(moved)), "c4_n500");
   for (const PackingSpec& spec : {outlier, moved}) EXPECT_EQ(to_string(parse_spec(to_string(spec))), to_string(spec));
   EXPECT_THAT(to_string(parse_spec("n=500")), ::testing::Not(HasSubstr("shape"))) << "caches keep this text";
-  EXPECT_EQ(name_of(tuning_spec(outlier, Profile::fast, 0)), "c4_n6476_s2");
+  Case c;
+  c.detector = &find_detector("serial_levels"), c.packing = outlier;
+  EXPECT_EQ(name_of(tuning_spec(c, Profile::fast, 0)), "c4_n6476_s2");
   for (const char* bad : {"n=500,shape=odd", "n=500,moved=-1", "n=500,shape=line,moved=0.1", "n=500,frame=3,moved=0.1",
                           "n=500,tiled=1000,shape=line", "n=5001,shape=one_cell"})
     EXPECT_THROW(parse_spec(bad), InputError) << bad;

@@ -227,7 +227,9 @@ TEST(Scale, CoversSizesOrdersAndDetectorsAndSaysWhatIsLeftOut) {
     if (!on_gpu(*c.detector)) seconds += estimated_seconds(c, Profile::fast);
   }
   EXPECT_LT(seconds, 60) << "of a laptop";
-  for (const PackingSpec& spec : packings_of_study("scale")) EXPECT_EQ(spec.tiled, 0) << "only bases are made beforehand";
+  std::set<std::int64_t> tiled;
+  for (const PackingSpec& spec : packings_of_study("scale")) tiled.insert(spec.tiled);
+  EXPECT_EQ(tiled.size(), 8u) << "seven sizes, and the paper's packings as they are";
 }
 
 TEST(Scale, ATiledPackingNeedsItsBaseOnly) {
@@ -244,7 +246,31 @@ TEST(Scale, ATiledPackingNeedsItsBaseOnly) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "c3_n150_cube_loose50.balls"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "c3_n150_cube_loose50_tiled5000.balls"));
   EXPECT_THROW(load_or_make(tiled_spec(5000), folder.path()), InputError);
-  EXPECT_EQ(tuning_spec(tiled_spec(5000), Profile::full, 0).tiled, 0);
+}
+
+// A GPU that is full wants other threads and cells than one that waits.
+TEST(Scale, ManyBallsAreTunedOnMany) {
+  DetectorInfo on_device = find_detector("serial_levels");
+  on_device.place = Place::device;
+  const auto tuned_on = [](const DetectorInfo& detector, const char* spec) {
+    Case c = case_on(parse_spec(spec), "serial_levels", OutputForm::pairs, Order::sorted);
+    c.detector = &detector;
+    return name_of(tuning_spec(c, Profile::full, 0));
+  };
+  const DetectorInfo& on_host = find_detector("serial_levels");
+  EXPECT_EQ(tuned_on(on_device, "n=50000,c=4,tiled=100000"), "c4_n20653_s2");
+  EXPECT_EQ(tuned_on(on_device, "n=50000,c=4,tiled=1000000000"), "c4_n20653_s2_tiled2097152");
+  EXPECT_EQ(tuned_on(on_host, "n=50000,c=4,tiled=1000000000"), "c4_n20653_s2");
+  EXPECT_EQ(tuned_on(on_device, "n=1000000,c=4,kind=loose,base=cube"), "c4_n1000000_s2_cube_loose60");
+  EXPECT_EQ(tuned_on(on_host, "n=1000000,c=4,kind=loose,base=cube"), "c4_n20653_s2_cube_loose60");
+}
+
+TEST(TiledPacking, AsAWholeHasItsBallsInTheirOwnNumbering) {
+  PackingContext context(tiled(2000));
+  EXPECT_TRUE(context.packing.balls.empty());
+  EXPECT_EQ(context.whole().name, context.packing.name);
+  EXPECT_EQ(packing_hash(context.whole().balls), context.label().hash);
+  EXPECT_EQ(&context.whole(), &context.whole());
 }
 
 }  // namespace

@@ -346,7 +346,7 @@ TEST(Trajectory, FramesAreProvidedForTogether) {
   Needs needs = needs_of({c, other}, folder.path(), Profile::fast, 0);
   ASSERT_EQ(needs.packings.size(), 1u);
   EXPECT_FALSE(needs.packings[0].made);
-  EXPECT_EQ(name_of(tuning_spec(c.packing, Profile::fast, 0)).find("_f"), std::string::npos) << "tuned on a bed at rest";
+  EXPECT_EQ(name_of(tuning_spec(c, Profile::fast, 0)).find("_f"), std::string::npos) << "tuned on a bed at rest";
 
   Journal journal(folder.path() / "journal.jsonl");
   Provision provision(folder.path(), Profile::fast, 0, journal, "");
