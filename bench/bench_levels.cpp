@@ -85,19 +85,6 @@ std::string text_of(const LevelChoice& c, const PackingFacts& facts) {
                      or_plan(c.lanes_finer));
 }
 
-Json json_of(const LevelChoice& c) {
-  const auto or_null = [](auto v) { return v > 0 ? Json(v) : Json(nullptr); };  // null: as planned
-  Json bounds = Json::array();
-  for (const float b : c.bounds.value_or(std::vector<float>())) bounds.push_back(100.0 * b);
-  return {{"bounds_cm", bounds},
-          {"cell_x_radii", or_null(c.cell_x)},
-          {"cell_yz_radii", or_null(c.cell_yz)},
-          {"cells_a_ball", or_null(c.cells_a_ball)},
-          {"lanes_finest", or_null(c.lanes_finest)},
-          {"lanes_own", or_null(c.lanes_own)},
-          {"lanes_finer", or_null(c.lanes_finer)}};
-}
-
 int list(const Options& o) {
   for (const PackingSpec& spec : specs_of(o)) {
     if (spec.kind == PackingKind::settled) {
@@ -114,6 +101,19 @@ int list(const Options& o) {
 }
 
 #if defined(TOUCHSTONE_HAVE_CUDA)
+
+Json json_of(const LevelChoice& c) {
+  const auto or_null = [](auto v) { return v > 0 ? Json(v) : Json(nullptr); };  // null: as planned
+  Json bounds = Json::array();
+  for (const float b : c.bounds.value_or(std::vector<float>())) bounds.push_back(100.0 * b);
+  return {{"bounds_cm", bounds},
+          {"cell_x_radii", or_null(c.cell_x)},
+          {"cell_yz_radii", or_null(c.cell_yz)},
+          {"cells_a_ball", or_null(c.cells_a_ball)},
+          {"lanes_finest", or_null(c.lanes_finest)},
+          {"lanes_own", or_null(c.lanes_own)},
+          {"lanes_finer", or_null(c.lanes_finer)}};
+}
 
 const DetectorInfo& levels_row() { return find_detector("levels"); }
 

@@ -60,7 +60,7 @@ struct LevelQueries {
 struct LevelChoice {
   // Largest radius of each level but the coarsest, whose is rmax; ascending, m, from rmin to below rmax; at most kMost - 1. None
   // makes a single level.
-  std::optional<std::vector<float>> bounds;
+  std::optional<std::vector<float>> bounds = {};
   double cell_x = 0, cell_yz = 0;  // edges of every level's cells, in that level's radius; larger where cells would be too many
   double cells_a_ball = 0;         // a level has at most so many cells for each of its balls, and a few more
   // Threads a ball, 1, 2, 4 … 32: where the finest level asks itself, another level itself, a level a finer one.
@@ -70,31 +70,6 @@ struct LevelChoice {
 // Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic. Throws InputError
 // for a choice that is none: which, and what would do.
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
-
-// What one ball's searches are expected to meet, in the mean over the balls the facts know; the terms of docs/theory.md for
-// levels, centres uniform in the box, and what plan_level_grids makes least.
-struct LevelWork {
-  double queries = 0;       // levels asked
-  double rows = 0;          // rows of cells asked
-  double tests = 0;         // balls tested
-  double instructions = 0;  // of a thread: these, weighed by kLevelCosts
-};
-LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids);
-
-// What a search costs, in instructions of a thread: once for a ball that asks its own level, or a finer one, where many threads
-// share it; for a row of cells; for a ball tested, in a level of one radius or of several.
-struct LevelCosts {
-  double own, finer, row, test, test_of_several;
-};
-inline constexpr LevelCosts kLevelCosts{200, 1000, 35, 14, 18};  // docs/levels.md, "Floors"
-
-// The time of a detection on an H100, us: fitted to 4,551 detections with chosen levels and cells, 50,000 balls, C = 1 to 50
-// (docs/level_choice.md; root mean square error 11 %). A sum, and the longest of the searches.
-struct SearchTime {
-  static constexpr LevelCosts kWork{200, 200, 35, 24, 40}, kWait{384, 1172, 54, 21.6, 102};
-  static constexpr double kStart = 9.11, kBlock = 0.91e-5, kInstruction = 0.53e-2, kEntry = 0.05e-5, kRowOfCells = 5.5e-4;
-};
-double expected_us(const PackingFacts& facts, const LevelGrids& grids);
 
 // The searches for balls as many as the facts say, in blocks of `threads`, of which the device runs `at_once` together: as many
 // threads a ball as run together, but no fewer than large packings take. Throws InputError as above.

@@ -20,6 +20,9 @@ set(TOUCHSTONE_KERNEL_SOURCES
 set(TOUCHSTONE_KERNEL_HOST_SOURCES
   detection.cpp
   detectors.cpp
+  level_bounds.cpp
+  level_costs.cpp
   level_grids.cpp
+  level_queries.cpp
   planning.cpp
   workspace.cpp)

@@ -12,6 +12,8 @@
 
 #include "datasets/loose.h"
 #include "kernels/detection.h"
+#include "kernels/level_bounds.h"
+#include "kernels/level_costs.h"
 #include "kernels/levels.h"
 #include "reference_cpu/all_pairs.h"
 #include "reference_cpu/radius_classes.h"
@@ -46,7 +48,9 @@ void expect_sound(const std::vector<Ball>& balls, const LevelGrids& grids) {
   std::int64_t entries = 0, rows = 0;
   for (int l = 0; l < grids.levels; ++l) {
     const LevelGrid& g = grids.level[l];
-    if (l > 0) EXPECT_GT(g.radius, grids.level[l - 1].radius);
+    if (l > 0) {
+      EXPECT_GT(g.radius, grids.level[l - 1].radius);
+    }
     EXPECT_EQ(g.first_entry, entries) << "level " << l;
     EXPECT_EQ(g.first_row, rows) << "level " << l;
     EXPECT_EQ(g.first_row % kRowsABlock, 0) << "a block's rows are of one level";
@@ -58,7 +62,9 @@ void expect_sound(const std::vector<Ball>& balls, const LevelGrids& grids) {
   for (const Ball& b : balls) {
     const int l = grids.level_of(b.r);
     EXPECT_LE(b.r, grids.level[l].radius);
-    if (l > 0) EXPECT_GT(b.r, grids.level[l - 1].radius) << "the finest level that holds it";
+    if (l > 0) {
+      EXPECT_GT(b.r, grids.level[l - 1].radius) << "the finest level that holds it";
+    }
   }
 }
 
@@ -148,7 +154,9 @@ TEST(LevelQueries, HaveAsManyThreadsABallAsRunAtOnce) {
   ASSERT_GT(blocks(free), blocks(fewest) + 2);
   for (std::int64_t at_once = blocks(fewest); at_once < blocks(free); ++at_once) {
     ASSERT_LE(blocks(plan(at_once)), at_once);
-    if (lanes(plan(at_once))[0] < 32) ASSERT_EQ(lanes(plan(at_once))[2], 1) << "the finest level gives way first";
+    if (lanes(plan(at_once))[0] < 32) {
+      ASSERT_EQ(lanes(plan(at_once))[2], 1) << "the finest level gives way first";
+    }
   }
   EXPECT_EQ(lanes(plan(blocks(free))), lanes(free));
 }
@@ -479,6 +487,28 @@ TEST(LevelChoice, ThatIsNoneIsRefused) {
     EXPECT_THROW(plan({.lanes_finest = lanes}), InputError) << lanes;
     EXPECT_THROW(plan({.bounds = bounds_at(facts, {0}), .lanes_own = lanes}), InputError) << lanes;
     EXPECT_THROW(plan({.bounds = bounds_at(facts, {0}), .lanes_finer = lanes}), InputError) << lanes;
+  }
+}
+
+// What is planned with: every ball in a bin, none more than 4 % below its bin's radius, and the smallest by themselves.
+TEST(LevelBounds, FewerBinsHoldTheSameBalls) {
+  for (const double c : {1.0, 4.0, 100.0}) {
+    const PackingFacts all = facts_of(mixture(20000, c)), few = with_fewer_bins(all);
+    EXPECT_EQ(few.n, all.n);
+    EXPECT_EQ(few.radii.front(), all.radii.front());
+    EXPECT_EQ(few.radii.back().first, all.radii.back().first);
+    if (c > 1) {
+      EXPECT_LT(few.radii.size(), all.radii.size()) << c;
+    }
+    std::size_t k = 0;
+    for (const auto& [radius, balls] : few.radii) {
+      std::int32_t in_it = 0;
+      const float smallest = all.radii[k].first;
+      for (; k < all.radii.size() && all.radii[k].first <= radius; ++k) in_it += all.radii[k].second;
+      EXPECT_EQ(in_it, balls) << radius;
+      EXPECT_LE(radius, 1.0401f * smallest);
+    }
+    EXPECT_EQ(k, all.radii.size());
   }
 }
 
