@@ -24,6 +24,7 @@ struct DetectOptions {
   std::optional<std::int64_t> timestep;
   std::string detector = "serial_levels", output = "pairs", launch = "stream", cache = "hot";
   bool output_given = false, launch_given = false;  // else a configuration decides
+  bool untimed = false;
   double cell_cm = 0;
   DetectorParams params;
 };
@@ -42,6 +43,17 @@ Measurement measure(const DetectorInfo& info, const DetectorParams& params, Outp
   CaseRunner runner(c, {}, context, Profile::fast, {});
   while (!runner.complete()) runner.repetition_us();
   return runner.measurement();
+}
+
+// One detection, compared with the reference and not timed: where a sanitizer watches, times mean nothing and cost minutes.
+void check_untimed(const DetectorInfo& info, const DetectorParams& params, OutputForm output, PackingContext& context) {
+  Stream stream(info.place);
+  const Detection d =
+      detect_completely(info, context.whole().balls, context.facts, params, output, stream, context.capacity(output));
+  if (const std::string difference = mismatch(d, context.reference(), stream); !difference.empty())
+    throw Mismatch(difference, info.label());
+  fmt::print("contacts                   {}, hash {}, equal to {}; not timed\n", d.report.contacts,
+             hex64(context.reference().hash), context.reference().by);
 }
 
 void print_times(const std::string& label, const Measurement& m) {
@@ -98,6 +110,7 @@ int detect(const DetectOptions& o) {
   if (!on_gpu(info) && (launch == Launch::graph || cache == Cache::cold))
     throw InputError("--launch graph and --cache cold are for GPU detectors");
   require_taken(o, info);
+  if (o.untimed && !o.contacts.empty()) throw InputError("detect: --contacts goes without --untimed");
   if (!o.contacts.empty()) require_writable_file(o.contacts);
   catch_interrupts();
   PackingContext context = context_argument(o.packing, o.spec, o.timestep);
@@ -110,6 +123,10 @@ int detect(const DetectOptions& o) {
   const std::int64_t free = free_memory(info.place);
   fmt::print("memory                     {}{}\n", memory_need(info, f.n, f, params, output, context.capacity(output)).text(),
              free < 0 ? "" : fmt::format(", {:.3f} GB free", 1e-9 * static_cast<double>(free)));
+  if (o.untimed) {
+    check_untimed(info, params, output, context);
+    return kExitOk;
+  }
   const Measurement m = measure(info, params, output, launch, cache, context);
   fmt::print("contacts                   {}, hash {}, equal to {}\n", m.report.contacts, hex64(m.contact_hash), m.verified_by);
   if (m.params.cell > 0) fmt::print("cell                       {:.4g} cm\n", 100 * m.params.cell);
@@ -153,6 +170,7 @@ void add_detect_command(CLI::App& app, int& exit_code) {
   auto* output = command->add_option("--output", o->output, "pairs or ball_lists")->capture_default_str();
   auto* launch = command->add_option("--launch", o->launch, "GPU: stream or graph")->capture_default_str();
   command->add_option("--cache", o->cache, "GPU: hot or cold")->capture_default_str();
+  command->add_flag("--untimed", o->untimed, "compare one detection with the reference, and take no time");
   command->add_option("--contacts", o->contacts, "write the contacts to this CSV file");
   command->callback([o, output, launch, &exit_code] {
     o->output_given = output->count() > 0;

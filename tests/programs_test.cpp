@@ -85,6 +85,14 @@ TEST_F(Programs, PackRecordsWhatEverybodyMustFindOnTiledPackingsToo) {
   EXPECT_THAT(detected.out, HasSubstr(tiled["contact_hash"].get<std::string>())) << detected.err;
 }
 
+TEST_F(Programs, DetectChecksWithoutTiming) {
+  const Outcome o = touchstone("detect --spec n=50,c=2,kind=loose,base=cube --detector serial_levels --untimed");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("equal to all_pairs; not timed"));
+  EXPECT_THAT(o.out, Not(HasSubstr(" ms ")));
+  expect_refused("detect " + kLoose + "--untimed --contacts " + file("c.csv"), 2, "--contacts goes without --untimed");
+}
+
 TEST_F(Programs, PackLeavesAnOldFileWholeIfTheNewOneCannotBeMade) {
   write_text(path() / "p.xyz", "old");
   expect_refused("pack --check " + file("absent.csv") + " --out " + file("p.xyz"), 2, "absent.csv");

@@ -19,6 +19,42 @@ void write_script(const std::filesystem::path& path, const std::string& body) {
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
 }
 
+// ---- scripts/sanitize ----
+
+// scripts/sanitize where the program lists two GPU detectors and compute-sanitizer does as `body` says; $2 is the tool, $* ends
+// in what detect was asked.
+Outcome sanitize(const std::string& body, const std::string& arguments = "") {
+  const TemporaryFolder folder;
+  write_script(
+      folder.path() / "touchstone",
+      "echo 'serial_levels   CPU  one core'\necho 'grid/a   GPU  one'\necho '      parameters: none'\necho 'levels  GPU  two'\n");
+  write_script(folder.path() / "compute-sanitizer", body);
+  return run_program("PATH=" + folder.path().string() + ":$PATH TOUCHSTONE=" + (folder.path() / "touchstone").string() + " " +
+                     (kScripts / "sanitize").string() + " " + arguments);
+}
+
+TEST(Sanitize, CountsRunsThatFoundNothing) {
+  const Outcome o = sanitize(
+      "[ $2 = racecheck ] && echo '========= RACECHECK SUMMARY: 0 hazards displayed' || "
+      "echo '========= ERROR SUMMARY: 0 errors'\n");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_EQ(o.out, "memcheck: 4 of 4 clean\nracecheck: 4 of 4 clean\ninitcheck: 4 of 4 clean\nsynccheck: 4 of 4 clean\n");
+  EXPECT_THAT(sanitize("echo '========= ERROR SUMMARY: 0 errors'\n", "grid").out, HasSubstr("memcheck: 2 of 2 clean"));
+}
+
+TEST(Sanitize, NamesWhatIsNotClean) {
+  const Outcome found = sanitize(
+      "case \"$*\" in *levels*pairs*) echo '========= Invalid __global__ read of size 4'; exit 99;; esac\n"
+      "echo '========= ERROR SUMMARY: 0 errors'\n");
+  EXPECT_EQ(found.code, 1);
+  EXPECT_THAT(found.out, HasSubstr("memcheck levels pairs: exit code 99: ========= Invalid __global__ read of size 4"));
+  EXPECT_THAT(found.out, HasSubstr("memcheck: 3 of 4 clean"));
+  const Outcome silent = sanitize("exit 0\n");
+  EXPECT_EQ(silent.code, 1) << "a tool that did not look found nothing";
+  EXPECT_THAT(silent.out, HasSubstr("memcheck: 0 of 4 clean"));
+  EXPECT_EQ(sanitize("exit 0\n", "no_such").code, 2);
+}
+
 // ---- scripts/figures ----
 
 struct FiguresRun {
