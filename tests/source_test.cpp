@@ -50,8 +50,11 @@ TEST_F(SourceInfo, TheHashFollowsContentsWithoutARepository) {
   EXPECT_NE(value("kContentHash"), second) << "a new file";
   std::filesystem::remove_all(folder_.path() / "tree/kernels/deep");
   write("tree/results/table2.json", "{}");
-  write("tree/kernels/.sort.cu.swp", "editor");
-  EXPECT_EQ(value("kContentHash"), second) << "neither results nor editors' leavings are measured";
+  EXPECT_EQ(value("kContentHash"), second) << "results are not measured";
+  for (const char* leaving : {".sort.cu", "sort.cu~", "sort.cu.swp", "sort.cu.orig", "sort.cu.rej"}) {
+    write(std::string("tree/kernels/") + leaving, "editor");
+    EXPECT_EQ(value("kContentHash"), second) << leaving << " is an editor's leaving";
+  }
 }
 
 TEST_F(SourceInfo, TheHashFollowsContentsOfFilesGitDoesNotTrack) {
