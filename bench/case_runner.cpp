@@ -227,11 +227,18 @@ void CaseRunner::prepare() {
   }
   if (case_.then == Then::force) {
     r.force = Buffer<Force>(context_.facts.n, info.place, r.stream);
+    fill_async(r.force, 0xFF, r.stream);  // not a number, until the timed pass writes one
     r.work = [detect = r.work, &r, &d, &info] {
       detect();
       add_forces_where_they_lie(d.input(), d.output->view(), r.force.data(), info.place, r.stream);
     };
   }
+  // From here on every contact is one that a timed run wrote: finish() must not find the verified run's.
+  const ContactsView list = d.output->view();
+  if (list.form == OutputForm::pairs)
+    fill_bytes_async(list.count, 0, sizeof *list.count, r.stream);
+  else
+    fill_bytes_async(list.length, 0, sizeof *list.length * static_cast<std::size_t>(list.n), r.stream);
   // A blind sample synchronises within itself: the host's clock takes it.
   const Place clock = case_.knowledge == Knowledge::blind ? Place::host : info.place;
   r.sampler = std::make_unique<Sampler>(r.work, clock, case_.launch, case_.cache, r.stream, r.before);
@@ -258,6 +265,8 @@ void CaseRunner::finish() {
   d.report = d.detector->report(d.output->view(), resident_->stream);
   const std::string difference = d.report.complete() ? mismatch_now(true) : d.report.text();
   if (!difference.empty()) throw Mismatch("after timing: " + difference, case_.detector->label());
+  for (const Force& f : download(resident_->force.data(), resident_->force.size(), resident_->stream))
+    if (!std::isfinite(f.x + f.y + f.z)) throw std::logic_error("after timing: a ball has no force");
   if (case_.phases && on_gpu(*case_.detector))
     measurement_.phases_us = phase_times_us(resident_->work, resident_->stream, kPhaseSamples);
   const Quartiles q = quartiles(measurement_.samples_us);

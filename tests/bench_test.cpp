@@ -206,6 +206,14 @@ Packing heap() {
   return p;
 }
 
+// Of a walk from ball to ball.
+double way_through(const std::vector<Ball>& balls) {
+  double way = 0;
+  for (std::size_t k = 1; k < balls.size(); ++k)
+    way += std::hypot(balls[k].x - balls[k - 1].x, balls[k].y - balls[k - 1].y, balls[k].z - balls[k - 1].z);
+  return way;
+}
+
 TEST(Order, IsAPermutationByWhichContactsFindTheirWayBack) {
   const Packing p = heap();
   const PackingFacts facts = facts_of(p.balls);
@@ -217,6 +225,9 @@ TEST(Order, IsAPermutationByWhichContactsFindTheirWayBack) {
     ASSERT_EQ(ordered.balls.size(), p.balls.size());
     if (order == Order::as_settled) {
       for (std::size_t k = 1; k < ordered.balls.size(); ++k) EXPECT_LE(ordered.balls[k - 1].z, ordered.balls[k].z);
+    }
+    if (order == Order::sorted) {
+      EXPECT_LT(way_through(ordered.balls), 0.8 * way_through(p.balls)) << "neighbours in the list lie close together";
     }
     for (std::size_t k = 0; k < ordered.number.size(); ++k) EXPECT_EQ(ordered.balls[k].z, p.balls[ordered.number[k]].z);
     Stream stream(Place::host);
@@ -401,6 +412,9 @@ TEST(Machine, EveryConditionIsFlaggedOrSaidToBeUnknown) {
   };
   using ::testing::ElementsAre;
   EXPECT_THAT(flags(host, nullptr), ::testing::IsEmpty());
+  EXPECT_THAT(run_flags({{"commit", "unknown"}, {"dirty", true}}, host, nullptr, 1, 0), ElementsAre("commit_unknown", "dirty"));
+  EXPECT_THAT(flags(with(host, "virtual_machine", true), nullptr), ElementsAre("virtual_machine"));
+  EXPECT_THAT(flags(with(host, "governor", nullptr), nullptr), ElementsAre("governor_unknown"));
   EXPECT_THAT(flags(with(host, "boost", "1"), nullptr), ElementsAre("boost"));
   EXPECT_THAT(flags(with(host, "boost", nullptr), nullptr), ElementsAre("boost_unknown"));
   EXPECT_THAT(flags(with(host, "aslr", true), nullptr), ElementsAre("aslr"));
