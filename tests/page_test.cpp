@@ -123,8 +123,9 @@ TEST_F(Page, NeedsNothingFromElsewhere) {
   const std::string text = page();
   EXPECT_THAT(text, Not(HasSubstr("<script")));
   EXPECT_THAT(text, Not(HasSubstr("@import")));
-  for (const std::string& address : all_matches(text, "(?:src|href)=[\"']([^\"']*)[\"']"))
-    EXPECT_THAT(address, Not(HasSubstr("//"))) << "an address of another machine";
+  for (const char* where : {"(?:src|href)=[\"']([^\"']*)[\"']", "url\\(([^)]*)\\)"})
+    for (const std::string& address : all_matches(text, where))
+      EXPECT_THAT(address, Not(HasSubstr("//"))) << "an address of another machine";
 }
 
 TEST_F(Page, EveryLinkLeadsToAFileOrAPlaceInThePage) {
@@ -235,8 +236,8 @@ TEST_F(Page, FlagsTravelAsMarks) {
 TEST_F(Page, TheSweepsOptimumAndEnvelopeFollowFromTheRecords) {
   // Least at 4 ravg = 1.0 cm for C = 1 and 4 x 0.29375 for C = 6, of cells 0.125 apart.
   const std::string optima = file_text(out() / "optima_figure6_fixture-1.csv");
-  EXPECT_THAT(optima, HasSubstr("c1_n50000,0.25,0.25,0.25,1,"));
-  EXPECT_THAT(optima, HasSubstr("c6_n50000,0.25,0.2938,1.5,1.125,"));
+  EXPECT_THAT(optima, HasSubstr("c1_n50000,0.25,0.25,0.25,1,1 to 1,4,4 to 4,0.0660\n"));
+  EXPECT_THAT(optima, HasSubstr("c6_n50000,0.25,0.2938,1.5,1.125,1.12 to 1.25,3.83,3.83 to 4.26,0.0964\n"));
   const std::string settings = file_text(out() / "figure6_fixture-1_multi_cell_bucket-paper-ball_lists-stream-hot-shuffled.gp");
   // 11,200 / h^3 cells: above 65,535 up to 0.5 cm. 2 + 56 h^3 / C balls, rounded down: above 128 from 1.375 cm (C = 1) and 2.5 cm
   // (C = 6) on. Edges halfway.

@@ -96,6 +96,7 @@ TEST_F(Report, SpeedUpsNameTheirBaseAndStandBesideItsTime) {
   EXPECT_THAT(best, HasSubstr("| multi_cell_bucket/staged | speed-up over serial_levels (stream) | 25.0× |"));
   EXPECT_THAT(best, HasSubstr("| multi_cell_bucket/staged | speed-up over parallel_levels (stream) | 2.50× |"));
   for (const std::string file : {"a/table2.csv", "a/table2_best_test-gpu.csv", "a/table2_rule_test-gpu.csv"}) {
+    EXPECT_THAT(text(file), HasSubstr("\n")) << file << ": not there";
     EXPECT_THAT(text(file), Not(HasSubstr(",,"))) << file << ": a blank cell";
     EXPECT_THAT(text(file), Not(HasSubstr(",\n"))) << file << ": a blank cell";
   }
@@ -161,7 +162,9 @@ TEST(Touchstone, DetectPrintsContactsTimeAndTheReference) {
       " detect --spec n=200,c=3,kind=loose,base=4x4 --detector serial_multi_cell --cell-cm 1 --contacts " + csv.string());
   ASSERT_EQ(o.code, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("equal to all_pairs"));
-  EXPECT_THAT(o.out, HasSubstr("serial_levels (reference)"));
+  EXPECT_THAT(o.out, HasSubstr("\nserial_multi_cell "));
+  EXPECT_THAT(o.out, HasSubstr(" samples)\nserial_levels (reference)"));
+  EXPECT_THAT(o.out, HasSubstr("\nratio "));
   EXPECT_THAT(o.out, HasSubstr("cell                       1 cm\n"));
   const std::string contacts = file_text(csv);
   const auto lines = std::count(contacts.begin(), contacts.end(), '\n') - 1;

@@ -291,6 +291,7 @@ TEST(Tuner, RefusedCandidatesAreLoggedWithTheReason) {
   const TuningTask task{info, OutputForm::pairs, Launch::stream, context.packing, context.facts, context.reference(), stream};
   Search search = make_search(task, never(), [&](const std::string& line) { lines.push_back(line); });
   search.walk();
+  ASSERT_NE(search.best(), nullptr);
   EXPECT_GE(search.best()->at.cell, 3);
   EXPECT_THAT(lines, ::testing::Contains(HasSubstr("refused: cells below 3 ravg")));
 }
