@@ -154,6 +154,7 @@ class Mutants : public ::testing::Test {
                  "case $(cat \"$(dirname \"$0\")/k.o\") in\n"
                  "good|harmless) echo '[  PASSED  ] 3 tests.' ;;\n"
                  "empty) echo '[  PASSED  ] 0 tests.' ;;\n"
+                 "late) echo '[  PASSED  ] 3 tests.'; echo 'WARNING: ThreadSanitizer: data race (pid=1)'; exit 66 ;;\n"
                  "racy) echo 'WARNING: ThreadSanitizer: data race (pid=1)'; exit 66 ;;\n"
                  "wrong) printf 'k.cpp:1: Failure\\n7 missing (first 1-2), 0 extra\\n'; exit 1 ;;\n"
                  "astray) echo 'ThreadSanitizer: SEGV'; echo '#0 f san.h:1'; echo '#1 k ../tree/kernels/k.cu:9 (x)'; exit 66 ;;\n"
@@ -207,7 +208,7 @@ TEST_F(Mutants, AFailureThatProvesNothingIsNoCatch) {
 }
 
 TEST_F(Mutants, NothingIsJudgedBySuitesThatFailAnyway) {
-  for (const char* word : {"wrong", "empty"}) {  // the unchanged kernel itself
+  for (const char* word : {"wrong", "empty", "late"}) {  // the unchanged kernel itself
     write_text(tree() / "kernels/k.cu", std::string(word) + "\n");
     const Outcome o = judge("racy", word);
     EXPECT_EQ(o.code, 1) << word;
