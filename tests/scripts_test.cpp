@@ -159,6 +159,7 @@ class Mutants : public ::testing::Test {
                  "wrong) printf 'k.cpp:1: Failure\\n7 missing (first 1-2), 0 extra\\n'; exit 1 ;;\n"
                  "astray) echo 'ThreadSanitizer: SEGV'; echo '#0 f san.h:1'; echo '#1 k ../tree/kernels/k.cu:9 (x)'; exit 66 ;;\n"
                  "crash) echo 'ThreadSanitizer: SEGV'; echo '#0 f ../tree/kernels/emulated/b.cpp:9 (x)'; exit 66 ;;\n"
+                 "deep) echo 'ThreadSanitizer: SEGV'; echo '#0 f ../tree/kernels/emulated/b.h:9 (x)'; exit 66 ;;\n"
                  "slow) exit 124 ;;\n"
                  "absent) exit 127 ;;\n"
                  "silent) exit 1 ;;\n"
@@ -199,6 +200,7 @@ TEST_F(Mutants, AFailureThatProvesNothingIsNoCatch) {
                                    {"slow", "NOT JUDGED: the suite took"},
                                    {"absent", "NOT JUDGED: the suite did not start"},
                                    {"crash", "NOT JUDGED: exit code 66 without a reason"},
+                                   {"deep", "NOT JUDGED: exit code 66 without a reason"},
                                    {"silent", "NOT JUDGED: exit code 1 without a reason"}}) {
     const Outcome o = judge(word);
     EXPECT_EQ(o.code, 1) << word;
