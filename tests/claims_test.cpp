@@ -122,6 +122,7 @@ TEST(Operators, ComeOutEachWay) {
       {R"({"occupancy": "2.0"})", "> 0.5", "> 0.9", p},
       {R"({"packings": {"packing": "c1_n50000"}, "field": "n"})", "== 50000", "== 50001", p},
       {R"({"sum": [1, 2, 3]})", "== 6", "== 5", p},
+      {R"({"sum": [1, 2, 3]})", "between [5, 6]", "between [7, 8]", p},
       {R"({"difference": [5, 2]})", ">= 3", ">= 3.1", p},
       {R"({"product": ["T2", 2]})", ">= 31.26", ">= 31.27", p},
       {R"({"ratio": ["T2", "T2"]})", "== 1", "== 2", p},
@@ -147,6 +148,7 @@ TEST(Operators, ComeOutEachWay) {
       {R"({"factor": ["D", "ravg"]})", "overlaps 4", "overlaps 6"},
       {R"({"residual": ["D", "ravg"]})", "< 0.001",
        R"(> {"residual": ["D", {"rows": "all", "field": "rmax_cm", "by": "packing"}]})"},
+      {R"({"residual": ["D", {"rows": "all", "field": "rmax_cm", "by": "packing"}]})", "between [0.63, 0.64]", "< 0.6"},
       {R"({"rows": "all", "field": "device.memory_bytes"})", "== 1000", "== 999"},
   };
   std::set<std::string> seen;
@@ -242,6 +244,12 @@ TEST(ClaimsFile, MistakesNameClaimAndKey) {
       {rule(R"({"ratio": [1]})"), "claim 'it', key 'ratio': an array of 2"},
       {rule(R"({"sum": [1]})"), "claim 'it', key 'sum': an array of two or more"},
       {rule(R"("E")"), "claim 'it', key 'value': no series is named 'E'"},
+      {rule("[1]"), "claim 'it', key 'value': a number, a name or an operator is wanted, not [1]"},
+      {rule(R"({"number": "2"})"), "claim 'it', key 'number': a number is wanted"},
+      {rule(R"({"count": 5})"), "claim 'it', key 'count': a selector is wanted"},
+      {rule(R"({"count": {"like": 5}})"), "claim 'it', key 'like': the name of a selector is wanted"},
+      {rule(R"({"count": {"study": "sweep", "n": {"from": "a", "to": 2}}})"), "claim 'it', key 'n': a range wants numbers"},
+      {rule(R"({"rows": "all", "field": "n", "by": [5]})"), "claim 'it', key 'by': a field or an array of fields is wanted"},
       {rule("5"), "claim 'it', key 'device': a measured rule"},
       {claims_of(ok, "=", "1", "measured"), "claim 'it', key 'test': unknown test '='"},
       {claims_of(ok, "between", "[2, 1]", "measured"), "claim 'it', key 'threshold': between"},
@@ -256,6 +264,9 @@ TEST(ClaimsFile, MistakesNameClaimAndKey) {
       {edited([](auto& j) { j["claims"][0]["verdicts"]["s fails"] = "in part"; }), "key 's fails': is no outcome"},
       {edited([](auto& j) { j["claims"][0]["verdict"] = "reproduced"; }), "key 'verdict': is not a key of claim"},
       {edited([](auto& j) { j["claims"].push_back(j["claims"][0]); }), "claim 'it', key 'id': used twice"},
+      {edited([](auto& j) { j["claims"][0]["claim"] = ""; }), "claim 'it', key 'claim': a text is wanted"},
+      {edited([](auto& j) { j["claims"][0]["rules"][0] = 5; }), "claim 'it', key 'rule': an object is wanted"},
+      {edited([](auto& j) { j["claims"][0]["verdicts"] = 5; }), "claim 'it', key 'verdicts': an object is wanted"},
       {edited([](auto& j) { j["claims"][0]["rules"].clear(); }), "key 'rules': an array with at least one rule"},
       {edited([](auto& j) { j["schema"] = "touchstone/1"; }), "schema is not touchstone-claims/1"},
   };

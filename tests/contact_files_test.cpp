@@ -53,7 +53,7 @@ const std::string kDump =
 
 TEST_F(ContactFiles, CommasWithAndWithoutNames) {
   for (const char* text : {"i,j\n0,4\n98,99\n", "0,4\n98,99\n", "# by hand\r\n\r\nI, J\r\n0, 4\r\n98, 99\r\n",
-                           "\xEF\xBB\xBFgap,\"id2\",id1\n0.1,4,0\n-2,99,98\n", "0.0,4\n9.800000e+01,99.00\n"}) {
+                           "\xEF\xBB\xBFid2,gap,\"id1\"\n4,0.1,0\n99,-2,98\n", "0.0,4\n9.800000e+01,99.00\n"}) {
     const ContactFile f = read("list.csv", text);
     EXPECT_EQ(f.format, ContactFormat::csv) << text;
     EXPECT_THAT(f.entries, ElementsAre(Pair{0, 4}, Pair{98, 99})) << text;
@@ -131,10 +131,10 @@ TEST_F(ContactFiles, IdsThatMayHaveLostDigitsAreRefused) {
 }
 
 TEST_F(ContactFiles, FilesThatLieGiveOneClearLine) {
-  std::string few = kDump;
-  few.replace(few.find("ENTRIES\n2"), 9, "ENTRIES\n3");
-  std::string many = kDump;
-  many.replace(many.find("ENTRIES\n2"), 9, "ENTRIES\n1");
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string text = kDump;
+    return text.replace(text.find(from), from.size(), to);
+  };
   std::string wide = "1";
   for (int k = 0; k < 1'000'000; ++k) wide += ",1";
   const struct {
@@ -153,8 +153,11 @@ TEST_F(ContactFiles, FilesThatLieGiveOneClearLine) {
       {"l.csv", wide, "line 1: more than 256 columns"},
       {"l.csv", std::string("0,1\n") + std::string(5000, '#') + "\n2," + '\0' + "\n", "line 3: not text"},
       {"l.txt", "7\n", "line 1: 1 column; two with ids are needed"},
-      {"l.dump", few, "2 of 3 rows; the dump is cut off"},
-      {"l.dump", many, "more rows than NUMBER OF says"},
+      {"l.dump", with("ENTRIES\n2", "ENTRIES\n3"), "2 of 3 rows; the dump is cut off"},
+      {"l.dump", with("ENTRIES\n2", "ENTRIES\n1"), "more rows than NUMBER OF says"},
+      {"l.dump", with("1 5 1 0.01", "1 5 1"), "line 10: 3 columns, 4 expected"},
+      {"l.dump", with("1 5 1 0.01", "1 5 101 0.01"), "line 10: id 101 is no ball of the packing, which has 1 to 100"},
+      {"l.dump", "ITEM: TIMESTEP\n5\nITEM: NUMBER OF ATOMS\n0\nITEM: ATOMS id1 id2\n", "a dump of ATOMS; contacts come from"},
       {"l.dump", "ITEM: TIMESTEP\n", "the file ends here; the timestep should follow"},
       {"l.dump", "ITEM: TIMESTEP\nsoon\n", "timestep is \"soon\", not an integer"},
       {"l.dump", kDump.substr(0, kDump.find("ITEM: ENTRIES")) + "ITEM: ENTRIES index c_one\n1 2\n2 3\n",

@@ -131,6 +131,7 @@ TEST(LammpsDump, RefusesWhatIsNoPacking) {
   const auto error = [](const std::string& what, const std::string& with) { return dump_error(replaced(kAtoms, what, with)); };
   EXPECT_THAT(dump_error(""), HasSubstr("no snapshot in the file"));
   EXPECT_THAT(error("ATOMS\n3", "ATOMS\n0").substr(0, 15), "a.dump: line 10");
+  EXPECT_EQ(dump_error(replaced(kAtoms.substr(0, kAtoms.find("0.1 30")), "ATOMS\n3", "ATOMS\n0")), "a.dump: no atoms");
   EXPECT_THAT(error("radius", "mass"), HasSubstr("a.dump: line 9: no column radius or diameter"));
   EXPECT_THAT(error("x y z", "x y vz"), HasSubstr("a.dump: line 9: no columns x, y and z"));
   EXPECT_THAT(error("0.2 4", "0.2 7"), HasSubstr("two atoms with id 7"));
@@ -142,6 +143,10 @@ TEST(LammpsDump, RefusesWhatIsNoPacking) {
   EXPECT_THAT(error("4 5 6", "4 5 1e39"), HasSubstr("line 11: z is 1e39, beyond the range of a float32"));
   EXPECT_THAT(error("ATOMS\n3", "ATOMS\n4"), HasSubstr("line 12: 3 of 4 rows; the dump is cut off"));
   EXPECT_THAT(error("ATOMS\n3", "ATOMS\n2"), HasSubstr("line 12: \"0.3 7 2 7 8 9 \" where a line \"ITEM: …\" should be"));
+  EXPECT_THAT(error("ATOMS\n3", "ATOMS\n-3"), HasSubstr("line 4: a negative number of rows"));
+  EXPECT_THAT(error("ITEM: TIMESTEP\n5\n", ""), HasSubstr("line 7: no ITEM: TIMESTEP before the rows"));
+  EXPECT_THAT(error("ITEM: BOX", "BOX"), HasSubstr("line 5: \"BOX BOUNDS ff ff ff\" where a line \"ITEM: …\" should be"));
+  EXPECT_THAT(error("BOX BOUNDS", "BOXES"), HasSubstr("line 5: unknown item \"BOXES ff ff ff\""));
   EXPECT_THAT(error("TIMESTEP\n5\n", "UNITS\nlj\nITEM: TIMESTEP\n5\n"), HasSubstr("units lj"));
   EXPECT_THAT(error("-10 10", "10 -10"), HasSubstr("line 7: the lower box bound is not below the upper one"));
   EXPECT_THAT(error("-10 10", "-10"), HasSubstr("line 7: 1 numbers, 2 box bounds expected"));
@@ -236,6 +241,7 @@ TEST(LammpsData, RefusesWhatIsNoPacking) {
   EXPECT_THAT(error("3 atoms", ""), HasSubstr("line 15: no line \"… atoms\""));
   EXPECT_THAT(error("3 atoms", "4 atoms"), HasSubstr("line 20: 0 columns, 7 expected"));
   EXPECT_THAT(error("3 atoms", "2 atoms"), HasSubstr("line 19: more rows than the 2 atoms"));
+  EXPECT_THAT(error("3 atoms", "-3 atoms"), HasSubstr("line 3: a negative number of atoms"));
   EXPECT_THAT(error("3 atoms", "3.5 atoms"), HasSubstr("line 3: number of atoms is \"3.5\""));
   EXPECT_THAT(error("7 1 0.2 2500 0.1", "7 1 0.2 2500"), HasSubstr("line 17: 9 columns, 7 expected"));
   EXPECT_THAT(error("7 1 0.2", "7 1 0"), HasSubstr("line 17: radius is 0; it must be above zero"));

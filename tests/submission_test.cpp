@@ -82,6 +82,7 @@ TEST(Submission, AMissingOrMistypedFieldIsNamed) {
                                  "/context/touchstone/host",
                                  "/context/touchstone/device",
                                  "/context/touchstone/calibration",
+                                 "/context/touchstone/state",
                                  "/context/touchstone/state/start",
                                  "/context/touchstone/state/end",
                                  "/context/touchstone/state/end/gpu",
@@ -143,7 +144,7 @@ TEST(Submission, AWrongValueIsNamed) {
       {t + "run/complete", false, "complete is false"},
       {t + "run/reportable", false, "reportable is false"},
       {t + "run/why_not", {"throttled"}, "why_not"},
-      {t + "run/study", "figure6", "study"},
+      {t + "run/study", "figure6", "study is \"figure6\"; the file is table2.json"},
       {t + "run/planned", 3, "planned 3 cases, done 2"},
       {t + "run/done", 1, "done 1"},
       {t + "run/resumed", 3, "resumed"},
@@ -166,11 +167,11 @@ TEST(Submission, AWrongValueIsNamed) {
       {t + "build/cuda_architectures", nullptr, "cuda_architectures"},
       {t + "device/name", "NVIDIA H200", "must be 'nvidia-h200'"},
       {t + "device/mig", true, "mig"},
-      {t + "device", nullptr, "device"},
+      {t + "device", nullptr, "place is gpu, but context.touchstone.device is null"},
       {t + "calibration", nullptr, "calibration"},
       {t + "calibration/copy_gb_per_s", 5000.0, "copy_gb_per_s"},
       {t + "calibration/empty_launch_us", 0, "empty_launch_us"},
-      {c + "study", "figure6", "study"},
+      {c + "study", "figure6", "study is \"figure6\", the run's is \"table2\""},
       {c + "protocol", "rule", "protocol"},
       {c + "protocol", "worst", "protocol is 'worst'"},
       {c + "detector", "sdk_sort", "detector"},
@@ -180,8 +181,10 @@ TEST(Submission, AWrongValueIsNamed) {
       {c + "place", "fpga", "place is 'fpga'"},
       {c + "launch", "graph", "launch"},
       {c + "cache", "cold", "cache"},
+      {c + "cache", "lukewarm", "cache is 'lukewarm'"},
       {c + "order", "random", "order is 'random'"},
       {c + "output", "pairs", "output"},
+      {c + "output", "list", "output is 'list'"},
       {c + "packing", "c4_n6476", "packing_hash"},
       {c + "packing", "c4_n5", "not in expected.json"},
       {c + "packing_hash", "0123456789abcdef", "packing_hash"},
@@ -236,17 +239,18 @@ TEST(Submission, AWrongValueIsNamed) {
 }
 
 TEST(Submission, FlagsFollowFromTheSamples) {
-  for (const int first : {0, 9}) {
-    json bad = two_cases();
-    const json flags = bad["benchmarks"][first]["case"]["flags"];
-    const bool noisy = std::find(flags.begin(), flags.end(), "noise") != flags.end();
-    json others = json::array();
-    for (const json& f : flags)
-      if (f != "noise") others.push_back(f);
-    if (!noisy) others.push_back("noise");
-    for (int k = first; k < first + 9; ++k) bad["benchmarks"][k]["case"]["flags"] = others;
-    EXPECT_THAT(faults(bad), ElementsAre(HasSubstr(noisy ? "flags lack noise" : "flags have noise")));
-  }
+  for (const std::string flag : {"noise", "few_samples"})
+    for (const int first : {0, 9}) {
+      json bad = two_cases();
+      const json flags = bad["benchmarks"][first]["case"]["flags"];
+      const bool flagged = std::find(flags.begin(), flags.end(), flag) != flags.end();
+      json others = json::array();
+      for (const json& f : flags)
+        if (f != flag) others.push_back(f);
+      if (!flagged) others.push_back(flag);
+      for (int k = first; k < first + 9; ++k) bad["benchmarks"][k]["case"]["flags"] = others;
+      EXPECT_THAT(faults(bad), ElementsAre(HasSubstr((flagged ? "flags lack " : "flags have ") + flag)));
+    }
 }
 
 TEST(Submission, AMissingEntryOrCaseIsSeen) {
@@ -256,6 +260,9 @@ TEST(Submission, AMissingEntryOrCaseIsSeen) {
   bad = two_cases();
   for (int k = 0; k < 9; ++k) bad["benchmarks"].erase(0);
   EXPECT_THAT(faults(bad), ElementsAre(HasSubstr("hold 1 cases; run says done 2")));
+  bad["benchmarks"].clear();
+  for (const char* const count : {"planned", "done", "resumed"}) bad["context"]["touchstone"]["run"][count] = 0;
+  EXPECT_THAT(faults(bad), ElementsAre(HasSubstr("hold no case")));
 }
 
 TEST(Submission, OneFaultOfManyCasesIsOneLine) {
