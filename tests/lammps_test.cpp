@@ -265,10 +265,13 @@ class LammpsFiles : public ::testing::Test {
 };
 
 TEST_F(LammpsFiles, AreToldByExtensionOrFirstLine) {
-  for (const char* name : {"bed.dump", "bed.lammpstrj", "dump.bed", "bed.txt"})
-    EXPECT_EQ(read_packing(file(name, kAtoms)).balls.size(), 3u) << name;
-  for (const char* name : {"bed.data", "bed.lmp", "data.bed", "bed.txt"})
-    EXPECT_EQ(read_packing(file(name, kData)).balls.size(), 3u) << name;
+  // A first line that says nothing: the extension alone tells.
+  for (const char* name : {"bed.dump", "bed.lammpstrj"})
+    EXPECT_EQ(read_packing(file(name, "\n" + kAtoms)).balls.size(), 3u) << name;
+  for (const char* name : {"bed.data", "bed.lmp"})
+    EXPECT_EQ(read_packing(file(name, replaced(kData, "LAMMPS", "three balls"))).balls.size(), 3u) << name;
+  for (const char* name : {"dump.bed", "bed.txt"}) EXPECT_EQ(read_packing(file(name, kAtoms)).balls.size(), 3u) << name;
+  for (const char* name : {"data.bed", "bed.txt"}) EXPECT_EQ(read_packing(file(name, kData)).balls.size(), 3u) << name;
   EXPECT_THAT(error_of([&] { read_packing(file("bed.txt", "1 2 3\n")); }),
               HasSubstr("no packing format has the extension \".txt\""));
   EXPECT_THAT(error_of([&] { read_packing(file("bed.csv", kAtoms)); }), HasSubstr("no x column"));

@@ -153,6 +153,8 @@ TEST(Judge, RoundingIsToldApart) {
   EXPECT_FALSE(j.different());
   EXPECT_TRUE(j.only_borderline());
   EXPECT_TRUE(judged(balls, theirs, ListForm::automatic, {Rounding::exact}).different());
+  const Judgement touching = judged(chain(3, 0.0f), theirs, ListForm::automatic, {Rounding::exact});
+  EXPECT_TRUE(touching.different()) << "a gap of nothing is none that exact excuses";
 
   balls = chain(3, 1e-4f);  // overlaps a thousand roundings deep
   EXPECT_TRUE(judged(balls, {{0, 1}}).different());
