@@ -135,6 +135,8 @@ TEST(Operators, ComeOutEachWay) {
       {R"({"slope": "T2"})", "between [0.0046, 0.0049]", "> 0.005", p},
       {R"({"exponent": "T2"})", "between [0.95, 1.0]", "> 1", p},
       {three, "between [99, 101]", "overlaps 102"},
+      {three, "overlaps 99.01", "overlaps 98.99"},  // the quartiles of a time are its interval
+      {three, "overlaps 100.99", "overlaps 101.01"},
       {R"({"count": "all"})", "== 36", "== 108"},  // cases, not their kernels
       {R"({"count": {"like": "all", "kernel.phase": "broad"}})", "== 36", "== 0"},
       {R"({"rows": "all", "field": "kernel.occupancy", "by": "kernel.phase"})", ">= 0.5", "> 0.5"},

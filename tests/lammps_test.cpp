@@ -187,6 +187,8 @@ TEST(LammpsBox, ContactsAcrossArePairsThatTouchOverABoundaryOnce) {
   EXPECT_EQ(contacts_across(b, f.box, Boundary::periodic), expected);
   EXPECT_THAT(notes_on(f, true),
               ElementsAre("the box is periodic in x, y: 4 contacts across it are left out, as the box is taken as open"));
+  const PackingFile small = dump("ITEM: UNITS\ncgs\n" + kPeriodic);  // the box shrinks with its balls
+  EXPECT_EQ(contacts_across(small.packing.balls, small.box, Boundary::periodic), expected);
   const PackingFile in_z = dump(replaced(kPeriodic, "pp pp ff", "ff ff pp"));  // 5 and 6
   EXPECT_EQ(contacts_across(b, in_z.box, Boundary::periodic), 1);
   const PackingFile open = dump(replaced(kPeriodic, "pp pp ff", "ff fs fm"));
@@ -224,12 +226,15 @@ TEST(LammpsData, AsByHandAndInCentimetres) {
 }
 
 TEST(LammpsData, ImageFlagsTellAPeriodicBoundary) {
-  std::string text = replaced(kData, "0.1 0.2 0.3 0 0 0", "-0.99 0.2 0.3 0 -1 0");
-  const PackingFile f = data(replaced(text, "0.5 -1 1 0 0 0", "0.99 0.2 0.3 1 0 0"));
+  const std::string moved = replaced(kData, "0.1 0.2 0.3 0 0 0", "-0.99 0.2 0.3 0 -1 0");
+  const std::string text = replaced(moved, "0.5 -1 1 0 0 0", "0.99 0.2 0.3 1 0 0");
+  const PackingFile f = data(text);
   EXPECT_EQ(f.box.axes(Boundary::periodic), "x, y");
   EXPECT_EQ(f.box.axes(Boundary::unknown), "z");
   EXPECT_EQ(contacts_across(f.packing.balls, f.box, Boundary::periodic), 1);
   EXPECT_THAT(notes_on(f, false), ElementsAre(HasSubstr("periodic in x, y: 1 contacts across it")));
+  const PackingFile small = data(replaced(text, "= si", "= cgs"));
+  EXPECT_EQ(contacts_across(small.packing.balls, small.box, Boundary::periodic), 1);
 }
 
 TEST(LammpsData, RefusesWhatIsNoPacking) {
@@ -299,9 +304,10 @@ TEST_F(LammpsFiles, DetectTakesThemAndSaysWhatItLeavesOut) {
 
 TEST_F(LammpsFiles, PackConvertsThem) {
   const std::string xyz = (folder_.path() / "bed.xyz").string();
-  const Outcome o = touchstone("pack --check " + file("bed.data", kData) + " --out " + xyz);
+  const std::string digits = replaced(kData, "0.5 -1 1", "0.123456789 -1 1");  // all that a float32 holds
+  const Outcome o = touchstone("pack --check " + file("bed.data", digits) + " --out " + xyz);
   EXPECT_EQ(o.code, 0) << o.err;
-  EXPECT_EQ(packing_hash(read_packing(xyz).balls), packing_hash(data(kData).packing.balls));
+  EXPECT_EQ(packing_hash(read_packing(xyz).balls), packing_hash(data(digits).packing.balls));
   EXPECT_THAT(touchstone("pack --check " + xyz + " --out a.dump").err, HasSubstr("no packing format to write"));
 }
 
