@@ -41,14 +41,10 @@ Packing packing_argument(const std::string& file, const std::string& spec, std::
 }
 
 PackingContext context_argument(const std::string& file, const std::string& spec, std::optional<std::int64_t> timestep) {
-  if (spec.empty()) return PackingContext(packing_argument(file, spec, timestep));
+  if (spec.empty() || !file.empty()) return PackingContext(packing_argument(file, spec, timestep));
   const PackingSpec parsed = parse_spec(spec);
-  if (parsed.tiled == 0 || !file.empty()) {
-    PackingContext context(packing_argument(file, spec, timestep));
-    if (parsed.shape != Shape::as_packed) context.most_balls_all_pairs = kMostBallsAllPairsHostile;
-    return context;
-  }
-  return PackingContext(TiledPacking(parsed, packing_argument("", to_string(base_of(parsed)), timestep)));
+  const std::string of_base = parsed.tiled != 0 ? to_string(base_of(parsed)) : spec;
+  return std::move(*make_context(parsed, packing_argument("", of_base, timestep)));
 }
 
 }  // namespace touchstone

@@ -38,6 +38,10 @@ Json kernels_json(const std::vector<KernelFacts>& kernels) {
 constexpr const char* kTimedUpdate =
     "update() of this packing's balls; before each sample, untimed, detect() of the balls held, and waiting for it";
 
+double way(const Ball& from, const Ball& to) {
+  return std::hypot(double{to.x} - from.x, double{to.y} - from.y, double{to.z} - from.z);
+}
+
 Json or_null(int value) { return value > 0 ? Json(value) : Json(nullptr); }
 
 }  // namespace
@@ -76,15 +80,15 @@ FrameFacts frame_facts(const Packing& frame, const Packing& first, const Packing
     return std::int64_t{cell_coordinate(v, facts.centres.lower[axis], per_m, 1 << kAxisBits)} << (kAxisBits * axis);
   };
   std::map<std::int64_t, std::int64_t> cells;  // number -> balls; few cells are empty, but an outlier's box may be huge
-  double way = 0;
+  double all_ways = 0;
   for (std::size_t i = 0; i < frame.balls.size(); ++i) {
     const Ball &now = frame.balls[i], &then = first.balls[i];
     f.balls_a_cell_most = std::max(f.balls_a_cell_most, ++cells[along(now.x, 0) + along(now.y, 1) + along(now.z, 2)]);
-    way += std::hypot(double{now.x} - then.x, double{now.y} - then.y, double{now.z} - then.z);
+    all_ways += way(then, now);
   }
   const auto n = static_cast<double>(frame.balls.size());
   f.balls_a_cell_mean = n / static_cast<double>(cells.size());
-  f.moved_ravg = way / n / facts.ravg;
+  f.moved_ravg = all_ways / n / facts.ravg;
   return f;
 }
 
@@ -97,9 +101,9 @@ StepFacts step_facts(const Packing& given, const Packing& held) {
   for (std::size_t i = 0; i < held.balls.size(); ++i) {
     const Ball &now = given.balls[i], &then = held.balls[i];
     if (now.r != then.r) throw std::logic_error(fmt::format("ball {} of {} has another radius in {}", i, given.name, held.name));
-    const double way = std::hypot(double{now.x} - then.x, double{now.y} - then.y, double{now.z} - then.z);
-    s.mean_rmin += way;
-    s.most_rmin = std::max(s.most_rmin, way);
+    const double moved = way(then, now);
+    s.mean_rmin += moved;
+    s.most_rmin = std::max(s.most_rmin, moved);
     rmin = std::min(rmin, then.r);
   }
   s.mean_rmin /= static_cast<double>(held.balls.size()) * rmin;
@@ -127,8 +131,7 @@ double cell_of(const Tuning& tuning, const PackingFacts& facts) {
 DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning& tuning) {
   const DetectorInfo& info = *c.detector;
   const double least = info.least_cell_rmax * facts.rmax;
-  DetectorParams p;
-  if (c.protocol == Protocol::given) p = c.given;
+  DetectorParams p = c.protocol == Protocol::given ? c.given : DetectorParams{};
   if (c.held) p.updates = info.updates;
   if (c.protocol == Protocol::given) return p;
   p.cell_capacity = c.given.cell_capacity;

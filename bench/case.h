@@ -75,6 +75,7 @@ struct Case {
   Then then = Then::nothing;
   DetectorParams given = {};  // Protocol::given
   bool phases = false;        // record phase times too (GPU, stream)
+  bool crowding = false;      // record how many balls a cell holds, too (a frame's always is)
   double budget_s = 0;        // most time for the samples; 0: the profile's
   std::string left_out = {};  // not "": not run, and the record's skipped cases say why; "code: message"
   bool may_refuse = false;    // a refusal is an answer that the study asks for: skipped, said, and no fault of the run
@@ -112,7 +113,7 @@ struct Measurement {
   std::vector<KernelFacts> kernels;
   std::vector<std::pair<std::string, double>> phases_us;  // medians, in order
   std::vector<std::string> flags;
-  std::optional<FrameFacts> frame;  // of a packing that is a frame, or has a shape
+  std::optional<FrameFacts> frame;  // of a packing that is a frame, or of Case::crowding
   std::optional<StepFacts> step;    // of an update
 };
 

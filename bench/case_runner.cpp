@@ -39,18 +39,22 @@ void add_forces_where_they_lie(BallsView in, const ContactsView& list, Force* fo
 }
 #endif
 
-constexpr std::int32_t kMostBallsComparedTwice = 1'000'000;
-
 }  // namespace
 
 PackingContext::PackingContext(TiledPacking t)
     : packing{t.name(), {}, t.seed()}, facts(t.facts()), tiled(std::make_unique<const TiledPacking>(std::move(t))) {}
 
+std::unique_ptr<PackingContext> make_context(const PackingSpec& spec, Packing base) {
+  auto context = spec.tiled != 0 ? std::make_unique<PackingContext>(TiledPacking(spec, base))
+                                 : std::make_unique<PackingContext>(std::move(base));
+  if (spec.shape != Shape::as_packed) context->most_balls_all_pairs = kMostBallsAllPairsHostile;
+  return context;
+}
+
 const Reference& PackingContext::reference() {
   if (reference_) return *reference_;
   if (tiled && facts.n > kMostBallsCompared) {
-    require_host_memory("the reference",
-                        std::int64_t{facts.n} * static_cast<std::int64_t>(sizeof(Ball)) + count_and_hash_bytes(facts));
+    require_memory_to_count("the reference", facts);
     reference_ = std::make_unique<Reference>(make_reference(tiled->in_order(Order::sorted), facts));
   } else {
     reference_ =
@@ -121,13 +125,12 @@ CaseRunner::CaseRunner(const Case& c, const Tuning& tuning, PackingContext& cont
 }
 CaseRunner::~CaseRunner() = default;
 
-// Pairs are compared once more after the timing where that is quick; else the timed list by count and hash, having been compared
-// before.
+// Once more after the timing: quickly, the list having been compared before.
 std::string CaseRunner::mismatch_now(bool timed) {
   const Detection& d = resident_->detection;
   const Numbering number = context_.numbering(case_.order);
   if (case_.detector->finds == Finds::contacts) {
-    const auto compare = timed && context_.facts.n > kMostBallsComparedTwice ? hash_mismatch : mismatch;
+    const auto compare = timed ? quick_mismatch : mismatch;
     return compare(d, context_.reference(), resident_->stream, number, &measurement_.contact_hash);
   }
   measurement_.contact_hash = context_.reference().hash;  // there is no list to take it from: the count is what is verified
@@ -190,7 +193,7 @@ void CaseRunner::prepare_update() {
   if (!difference.empty()) throw Mismatch("update: " + difference, case_.detector->label());
 }
 
-void CaseRunner::prepare() {
+void CaseRunner::verify() {
   if (case_.held.has_value() != (held_ != nullptr))
     throw std::logic_error("update: the packing held is not there, or not asked for");
   const DetectorInfo& info = *case_.detector;
@@ -201,7 +204,7 @@ void CaseRunner::prepare() {
   else
     r.detection = detect_first(r.stream);
   if (case_.packing.frame >= 0) measurement_.frame = context_.frame();
-  if (case_.study == "hostile") measurement_.frame = frame_facts(context_.packing, context_.packing, context_.facts);
+  if (case_.crowding) measurement_.frame = frame_facts(context_.packing, context_.packing, context_.facts);
   const Reference& reference = context_.reference();
   if (const std::string difference = mismatch_now(false); !difference.empty()) throw Mismatch(difference, info.label());
   measurement_.params = r.detection.detector->params();
@@ -211,7 +214,12 @@ void CaseRunner::prepare() {
   measurement_.bytes_peak = r.detection.bytes();
   measurement_.bytes_workspace = r.detection.detector->workspace_bytes();
   measurement_.kernels = r.detection.detector->kernels(case_.output);
+}
 
+void CaseRunner::prepare() {
+  verify();
+  const DetectorInfo& info = *case_.detector;
+  Resident& r = *resident_;
   Detection& d = r.detection;
   if (case_.knowledge == Knowledge::blind) {
     r.work = [this, &r, &d, &info] {
@@ -246,7 +254,7 @@ void CaseRunner::prepare() {
 }
 
 double CaseRunner::repetition_us() {
-  if (!resident_) prepare();
+  if (!resident_ || !resident_->sampler) prepare();
   std::vector<double> samples;
   for (int k = 0; k < samples_; ++k) {
     stop_if_interrupted();

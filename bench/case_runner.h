@@ -60,6 +60,9 @@ struct Mismatch : std::runtime_error {
 // Bits of nvmlClocksEventReasons, empty where unknown.
 using EventReasons = std::function<std::optional<unsigned long long>()>;
 
+// Of what a spec means, given the packing of base_of(spec).
+std::unique_ptr<PackingContext> make_context(const PackingSpec& spec, Packing base);
+
 class CaseRunner {
  public:
   // `tuning` is used by Protocol::best; `flags` are the run's, the case adds its own. `event_reasons`, where given, is asked
@@ -69,12 +72,15 @@ class CaseRunner {
              EventReasons event_reasons = {}, const PackingContext* held = nullptr);
   ~CaseRunner();
 
-  // Takes one repetition and returns the median of its samples, us. The first call uploads, detects, verifies and warms up;
-  // the last frees. Throws Mismatch, InputError (refused parameters), Interrupted, or what failed; after that, again.
+  // Uploads, detects, and compares the contact set with the reference, untimed: measurement() has what it found, but no times.
+  void verify();
+
+  // Takes one repetition and returns the median of its samples, us. The first call verifies and warms up; the last
+  // frees. Throws Mismatch, InputError (refused parameters), Interrupted, or what failed; after that, again.
   double repetition_us();
 
   bool complete() const { return repetitions_ == kRepetitions; }
-  const Measurement& measurement() const { return measurement_; }  // once complete()
+  const Measurement& measurement() const { return measurement_; }  // once complete(), or after verify()
 
  private:
   void prepare();

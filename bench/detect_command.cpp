@@ -29,9 +29,10 @@ struct DetectOptions {
   DetectorParams params;
 };
 
-// Zeros in `params` are the detector's own choice.
+// Zeros in `params` are the detector's own choice. Untimed: one detection, compared with the reference; where a sanitizer
+// watches, times mean nothing and cost minutes.
 Measurement measure(const DetectorInfo& info, const DetectorParams& params, OutputForm output, Launch launch, Cache cache,
-                    PackingContext& context) {
+                    PackingContext& context, bool untimed = false) {
   Case c;
   c.study = "detect";
   c.detector = &info;
@@ -41,19 +42,9 @@ Measurement measure(const DetectorInfo& info, const DetectorParams& params, Outp
   c.protocol = Protocol::given;
   c.given = params;
   CaseRunner runner(c, {}, context, Profile::fast, {});
-  while (!runner.complete()) runner.repetition_us();
+  if (untimed) runner.verify();
+  while (!untimed && !runner.complete()) runner.repetition_us();
   return runner.measurement();
-}
-
-// One detection, compared with the reference and not timed: where a sanitizer watches, times mean nothing and cost minutes.
-void check_untimed(const DetectorInfo& info, const DetectorParams& params, OutputForm output, PackingContext& context) {
-  Stream stream(info.place);
-  const Detection d =
-      detect_completely(info, context.whole().balls, context.facts, params, output, stream, context.capacity(output));
-  if (const std::string difference = mismatch(d, context.reference(), stream); !difference.empty())
-    throw Mismatch(difference, info.label());
-  fmt::print("contacts                   {}, hash {}, equal to {}; not timed\n", d.report.contacts,
-             hex64(context.reference().hash), context.reference().by);
 }
 
 void print_times(const std::string& label, const Measurement& m) {
@@ -123,12 +114,10 @@ int detect(const DetectOptions& o) {
   const std::int64_t free = free_memory(info.place);
   fmt::print("memory                     {}{}\n", memory_need(info, f.n, f, params, output, context.capacity(output)).text(),
              free < 0 ? "" : fmt::format(", {:.3f} GB free", 1e-9 * static_cast<double>(free)));
-  if (o.untimed) {
-    check_untimed(info, params, output, context);
-    return kExitOk;
-  }
-  const Measurement m = measure(info, params, output, launch, cache, context);
-  fmt::print("contacts                   {}, hash {}, equal to {}\n", m.report.contacts, hex64(m.contact_hash), m.verified_by);
+  const Measurement m = measure(info, params, output, launch, cache, context, o.untimed);
+  fmt::print("contacts                   {}, hash {}, equal to {}{}\n", m.report.contacts, hex64(m.contact_hash), m.verified_by,
+             o.untimed ? "; not timed" : "");
+  if (o.untimed) return kExitOk;
   if (m.params.cell > 0) fmt::print("cell                       {:.4g} cm\n", 100 * m.params.cell);
   if (m.params.threads_broad > 0 || m.params.threads_narrow > 0)
     fmt::print("threads                    {} broad, {} narrow\n", m.params.threads_broad, m.params.threads_narrow);

@@ -31,7 +31,7 @@ nlohmann::json expected_of(const Packing& packing) {
 
 nlohmann::json expected_of(const TiledPacking& packing) {
   const PackingFacts f = packing.facts();
-  require_host_memory(packing.name(), packing.n() * static_cast<std::int64_t>(sizeof(Ball)) + count_and_hash_bytes(f));
+  require_memory_to_count(packing.name(), f);
   return entry_of(f, packing.hash(), count_and_hash(packing.in_order(Order::sorted), f));
 }
 

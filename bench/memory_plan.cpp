@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string>
 
+#include "reference_cpu/count_and_hash.h"
 #include "touchstone/error.h"
 
 namespace touchstone {
@@ -64,6 +65,10 @@ void require_fit(const std::string& what, const MemoryNeed& need, Place place, s
 
 void require_host_memory(const std::string& what, std::int64_t bytes) {
   require(what, fmt::format("{:.3f} GB", gb(bytes)), bytes, "on the host", free_memory(Place::host));
+}
+
+void require_memory_to_count(const std::string& what, const PackingFacts& facts) {
+  require_host_memory(what, std::int64_t{facts.n} * static_cast<std::int64_t>(sizeof(Ball)) + count_and_hash_bytes(facts));
 }
 
 }  // namespace touchstone

@@ -32,4 +32,7 @@ void require_fit(const std::string& what, const MemoryNeed& need, Place place, s
 // The same for anything else on the host.
 void require_host_memory(const std::string& what, std::int64_t bytes);
 
+// For balls that exist only while count_and_hash() counts their contacts.
+void require_memory_to_count(const std::string& what, const PackingFacts& facts);
+
 }  // namespace touchstone

@@ -104,10 +104,7 @@ PackingContext& Provision::load(const PackingSpec& spec, Eta& eta) {
     eta.show(done_ + share * seconds, fmt::format("packing {}: {} {:.0f} %", name_of(spec), what, 100 * share));
   };
   stop_if_interrupted();
-  Packing made = load_or_make(base_of(spec), folder_, progress);
-  context = spec.tiled != 0 ? std::make_unique<PackingContext>(TiledPacking(spec, made))
-                            : std::make_unique<PackingContext>(std::move(made));
-  if (spec.shape != Shape::as_packed) context->most_balls_all_pairs = kMostBallsAllPairsHostile;
+  context = make_context(spec, load_or_make(base_of(spec), folder_, progress));
   done_ += seconds;
   if (spec.frame >= 0) {
     PackingSpec first = spec;

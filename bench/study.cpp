@@ -15,9 +15,9 @@
 namespace touchstone {
 namespace {
 
-// A GPU that 20,653 balls leave half idle wants other threads and cells than one that works through millions. The fewest that
-// detectors treat as many (docs/levels.md, "Large packings").
-constexpr std::int64_t kMany = 1'000'000, kTiledToTune = 1 << 21;
+// A GPU that 20,653 balls leave half idle wants other threads and cells than one that works through millions: kManyBalls are
+// tuned on as many, tiled ones on the fewest that detectors treat so (docs/levels.md, "Large packings").
+constexpr std::int64_t kTiledToTune = 1 << 21;
 
 constexpr StudyInfo kStudies[] = {
     {"table2", "Table 2 and Figure 8: every detector at seven sizes, paper's protocol, best and rule", plan_table2},
@@ -95,7 +95,7 @@ PackingSpec tuning_spec(const Case& c, Profile profile, std::int32_t n) {
   const PackingSpec& like = c.packing;
   PackingSpec spec = plain_of(settled_of(base_of(like)));
   const std::int32_t most = profile == Profile::full ? 20653 : 6476;  // making 20,653 balls costs the default profile too much
-  const bool many = on_gpu(*c.detector) && balls_of(like) >= kMany;
+  const bool many = on_gpu(*c.detector) && balls_of(like) >= kManyBalls;
   if (n > 0)
     spec.n = n;
   else if (spec.kind == PackingKind::settled)

@@ -38,8 +38,8 @@ std::int32_t frames_between(Profile profile);
 std::vector<PackingSpec> packings_of_study(std::string_view study);
 
 // The spec whose packing tunes a case of Protocol::best: like its own, of seed 2 (or 1, for cases of seed 2), so that no
-// packing reported is one tuned on. n = 0: the profile's choice. A GPU's cases
-// of 10^6 balls and more are tuned on as many, tiled ones on 2^21.
+// packing reported is one tuned on. n = 0: the profile's choice. A GPU's cases of 10^6 balls and more are tuned on
+// as many, tiled ones on 2^21.
 PackingSpec tuning_spec(const Case& c, Profile profile, std::int32_t n);
 
 // True where Protocol::best has something to choose.

@@ -17,9 +17,8 @@ std::string_view to_string(Launch launch);
 std::string_view to_string(Cache cache);
 
 // Takes samples of `work`, which enqueues on the stream (GPU) or does (CPU) what is to be timed; `before`, if given, is done
-// before each sample and waited for, untimed. On the GPU a sample is event,
-// one launch of the captured graph or one call of `work`, event; on the CPU a call between two readings of the steady clock.
-// Never a batch divided by its length.
+// before each sample and waited for, untimed. On the GPU a sample is event, one launch of the captured graph or one call of
+// `work`, event; on the CPU a call between two readings of the steady clock. Never a batch divided by its length.
 class Sampler {
  public:
   // Captures the graph where asked. Throws std::logic_error for graph or cold on the CPU.

@@ -24,8 +24,6 @@ constexpr int kThreadsNarrow[] = {32, 64, 128, 256, 512};
 constexpr SearchPoint kFirstThreads = {0, 256, 128};  // the paper's choice
 constexpr double kWarmUpMs = 5;                       // lets a GPU's clocks rise
 constexpr double kPatienceUs = 1e4;                   // a sample, on average
-constexpr std::int32_t kMostBallsSorted =
-    1'000'000;  // beyond, candidates' contacts are compared by count and hash where they lie
 
 Detection detection_of(const TuningTask& t, const DetectorParams& params) {
   try {
@@ -54,8 +52,7 @@ std::string text_of(const TuningTask& task, const SearchPoint& at) {
 
 Probe probe(const TuningTask& task, const DetectorParams& params, int samples) {
   Detection d = detection_of(task, params);
-  const auto compare = task.facts.n <= kMostBallsSorted ? mismatch : hash_mismatch;
-  if (const std::string difference = compare(d, task.reference, task.stream, {}, nullptr); !difference.empty())
+  if (const std::string difference = quick_mismatch(d, task.reference, task.stream); !difference.empty())
     throw Mismatch(fmt::format("{} on {} (cell {:.6g} cm, threads {}/{}): {}", task.info.label(), task.packing.name,
                                100 * params.cell, params.threads_broad, params.threads_narrow, difference));
   Probe result{{}, d.detector->params(), d.bytes()};

@@ -103,6 +103,13 @@ std::string mismatch(const Detection& detection, const Reference& reference, Str
   return difference.equal() ? "" : difference.text();
 }
 
+std::string quick_mismatch(const Detection& detection, const Reference& reference, Stream& stream, const Numbering& number,
+                           std::uint64_t* found_hash) {
+  constexpr std::int32_t kMostBallsSorted = 1'000'000;
+  const auto compare = detection.output->view().n <= kMostBallsSorted ? mismatch : hash_mismatch;
+  return compare(detection, reference, stream, number, found_hash);
+}
+
 std::string count_mismatch(const Detection& detection, const Reference& reference, Finds finds, std::span<const Ball> balls,
                            const PackingFacts& facts, double cell) {
   std::int64_t expected = reference.contacts;

@@ -41,6 +41,10 @@ std::string mismatch(const Detection& detection, const Reference& reference, Str
 std::string hash_mismatch(const Detection& detection, const Reference& reference, Stream& stream, const Numbering& number = {},
                           std::uint64_t* found_hash = nullptr);
 
+// mismatch() where that is quick, up to 10^6 balls; beyond, hash_mismatch(). For what is compared again and again.
+std::string quick_mismatch(const Detection& detection, const Reference& reference, Stream& stream, const Numbering& number = {},
+                           std::uint64_t* found_hash = nullptr);
+
 // For what finds less than the set, the same by the count alone: the contacts, or for Finds::duplicates the sum over the
 // contacts of the cells (of edge `cell`, m) that hold both balls.
 std::string count_mismatch(const Detection& detection, const Reference& reference, Finds finds, std::span<const Ball> balls,

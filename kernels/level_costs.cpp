@@ -4,8 +4,10 @@
 
 namespace touchstone {
 
+Box box_of(const PackingFacts& facts) { return facts.bulk.value_or(facts.centres); }
+
 double length_along(const PackingFacts& facts, int axis) {
-  const Box box = facts.bulk.value_or(facts.centres);
+  const Box box = box_of(facts);
   return static_cast<double>(box.upper[axis]) - box.lower[axis] + 2.0 * facts.rmin;
 }
 

@@ -8,6 +8,9 @@
 
 namespace touchstone {
 
+// What the grids cover.
+Box box_of(const PackingFacts& facts);
+
 // How far the balls lie along an axis, m. The surfaces' box will not do: a giant's sticks out of the dust it lies in.
 double length_along(const PackingFacts& facts, int axis);
 

@@ -32,9 +32,6 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
   return static_cast<std::int32_t>(std::min(std::floor(length / edge), 2e9)) + 1;
 }
 
-// What the grids cover.
-Box box_of(const PackingFacts& facts) { return facts.bulk.value_or(facts.centres); }
-
 // Cells of x and yz radii, or larger ones.
 LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, double yz, double cells_a_ball) {
   const Box box = box_of(facts);

@@ -212,8 +212,7 @@ Section hostile(const Library& l) {
   Section s{"hostile", "Hostile input", {}, {}, l.missing("hostile")};
   s.text = {
       "The balls of a settled bed laid out so that grids have a hard time. Every detector must stay exact or refuse with a "
-      "reason; "
-      "what it takes then, a ball, stands beside what it takes in the bed."};
+      "reason; what it takes then, a ball, stands beside what it takes in the bed."};
   for (const Device& d : l.of("hostile")) {
     if (Table t = hostile_table(d); !t.rows.empty()) s.exhibits.push_back(l.exhibit(std::move(t), d));
     if (Figure f = hostile_figure(d); !f.panels.empty()) s.exhibits.push_back(l.exhibit(std::move(f), d));

@@ -131,13 +131,10 @@ std::vector<Table> update_tables(const Device& device) {
     for (const Step& s : u.steps) t.rows.push_back(line_of(u, s));
   t.notes = {
       "Before each sample, untimed, the detector detects the balls as they were; a sample is one update() of the balls as they "
-      "are. "
-      "Each contact set was compared with that of the moved balls before and after.",
+      "are. Each contact set was compared with that of the moved balls before and after.",
       "From rest every ball is moved by the same distance, each in a direction of its own, which opens contacts: they are "
-      "shallow. "
-      "Between two frames of the settling "
-      "the "
-      "furthest ball moves many times as far as the mean: a detector that decides by the furthest files again.",
+      "shallow. Between two frames of the settling the furthest ball moves many times as far as the mean: a detector that "
+      "decides by the furthest files again.",
       "One update each: where updates follow each other distances add up, and every so often the dearer kind is due."};
   for (const std::string& note : notes_for(t.rows)) t.notes.push_back(note);
   if (!device.common_flags.empty()) t.notes.push_back(fmt::format("Every row: {}.", fmt::join(device.common_flags, ", ")));
@@ -148,14 +145,14 @@ std::vector<Figure> update_figures(const Device& device) {
   const std::vector<Updated> all = all_updated(device);
   if (all.empty()) return {};
   const std::string id = fmt::format("updates_{}_{}", bed_of(all), id_of(device));
-  Figure f{id + "_figure",
-           fmt::format("Updates on {}: {} balls, time against the distance moved since the last call", device.label,
-                       with_commas(all.front().steps.front().update->n)),
-           {},
-           {"Logarithmic axes; bars: quartiles. Filled and joined: update() of a bed each of whose balls moved so far; dashed: "
-            "detect() "
-            "of the same balls. Open: update() from one frame of the settling to a later one, drawn at the furthest ball's "
-            "distance."}};
+  Figure f{
+      id + "_figure",
+      fmt::format("Updates on {}: {} balls, time against the distance moved since the last call", device.label,
+                  with_commas(all.front().steps.front().update->n)),
+      {},
+      {"Logarithmic axes; bars: quartiles. Filled and joined: update() of a bed each of whose balls moved so far; dashed: "
+       "detect() of the same balls. Open: update() from one frame of the settling to a later one, drawn at the furthest ball's "
+       "distance."}};
   for (const char* place : {"gpu", "cpu"})
     if (std::any_of(all.begin(), all.end(), [&](const Updated& u) { return u.place == place; }))
       f.panels.push_back(panel_of(id, all, place));

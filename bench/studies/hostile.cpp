@@ -42,6 +42,7 @@ std::vector<Case> plan_hostile(Profile profile) {
       if (on_gpu(*info)) c.launch = Launch::graph;
       c.budget_s = kSeconds;
       c.may_refuse = true;
+      c.crowding = true;
       if (files_the_giant_everywhere(*info, packing))
         c.left_out =
             fmt::format("time: {} files the giant in each of some 10^8 cells, by one block: minutes a sample", info->label());

@@ -9,8 +9,7 @@ namespace {
 
 constexpr double kSeconds = 0.5;  // of samples a case: what is slow at large C has fewer of them, and says so
 constexpr double kFactors[] = {1, 2, 3, 4, 5, 6, 10, 20, 50, 100};
-constexpr double kMostSettled = 6;         // Figure 6's beds
-constexpr std::int32_t kMany = 1'000'000;  // where a GPU is full, and no longer waits for the largest balls' searches
+constexpr double kMostSettled = 6;  // Figure 6's beds
 constexpr double kFactorsOfMany[] = {1, 100};
 
 std::vector<PackingSpec> packings(Profile profile) {
@@ -25,14 +24,14 @@ std::vector<PackingSpec> packings(Profile profile) {
   if (profile == Profile::full) {
     for (const double factor : kFactors)
       if (factor <= kMostSettled) specs.push_back(bed(n, factor));
-    add_loose(kMany, kFactorsOfMany);
+    add_loose(kManyBalls, kFactorsOfMany);
   }
   return specs;
 }
 
 // all_pairs is quadratic: it knows no radii. Of 10^6 balls the CPU's other methods take seconds a sample.
 bool takes_part(const DetectorInfo& info, const PackingSpec& spec) {
-  return info.name != "all_pairs" && (on_gpu(info) || spec.n < kMany || info.name == "parallel_levels");
+  return info.name != "all_pairs" && (on_gpu(info) || spec.n < kManyBalls || info.name == "parallel_levels");
 }
 
 }  // namespace

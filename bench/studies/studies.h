@@ -20,6 +20,9 @@ std::vector<Case> plan_polydispersity(Profile profile);  // polydispersity.cpp
 std::vector<Case> plan_scale(Profile profile);           // scale.cpp
 std::vector<Case> plan_hostile(Profile profile);         // hostile.cpp
 
+// So many fill a GPU, which no longer waits for the largest balls' searches.
+inline constexpr std::int32_t kManyBalls = 1'000'000;
+
 // Balls of the studies of one size (the paper: 50,000), and as many as the default profile can settle.
 inline std::int32_t study_size(Profile profile) { return profile == Profile::full ? 50000 : 6476; }
 
