@@ -27,7 +27,7 @@
 namespace touchstone {
 namespace {
 
-constexpr int kHits = 8;    // contacts that a thread keeps until its block has found all; one with more asks again, and writes
+constexpr int kHits = 8;    // contacts that a thread keeps until its block has found all; one with more writes them as it goes
 constexpr int kRanges = 6;  // rows of cells that a thread looks up before it tests their balls
 
 // The balls of one row of cells within reach.
@@ -38,11 +38,11 @@ struct alignas(8) Places {
 // A thread's lists in shared memory: entry k is [k * step].
 struct Lists {
   Places* range;      // kRanges, and one more that ends the list
-  std::int32_t* hit;  // kHits, and one more that takes what there is no room for
+  std::int32_t* hit;  // kHits
   int step;           // threads a block
 
   static __host__ __device__ std::size_t bytes(int threads) {
-    return ((kRanges + 1) * sizeof(Places) + (kHits + 1) * sizeof(std::int32_t)) * static_cast<std::size_t>(threads);
+    return ((kRanges + 1) * sizeof(Places) + kHits * sizeof(std::int32_t)) * static_cast<std::size_t>(threads);
   }
   static __device__ Lists open() {
     const int step = static_cast<int>(blockDim.x);
@@ -96,10 +96,10 @@ __device__ inline Rows rows_in_reach(const LevelGrids& grids, const Asking& a, c
 }
 
 // The ball asks the level. test(touches, found) for each ball tested: whether it is a contact, with the other's number where that
-// level was planned for one radius, else with its place.
-template <class Test>
+// level was planned for one radius, else with its place. before_two() before each two of them.
+template <class Test, class BeforeTwo>
 __device__ inline void ask(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Lists& lists,
-                           const Asking& a, const Asked& asked, Test&& test) {
+                           const Asking& a, const Asked& asked, Test&& test, BeforeTwo&& before_two) {
   const Ball& me = a.ball;
   const float sum = add(me.r, asked.grid.radius);
   const float most = mul(sum, sum);  // of the squared distance, where all have the level's radius
@@ -141,6 +141,7 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
     if (asked.alike) {
 #pragma unroll 1
       for (; left > 0; left -= 2) {
+        before_two();
         const PlacedBall o = index.ball[next_place()], second = index.ball[next_place()];
         test(touches_alike(o), o.number_or_radius);
         test(left > 1 && touches_alike(second), second.number_or_radius);
@@ -148,6 +149,7 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
     } else {
 #pragma unroll 1
       for (; left > 0; left -= 2) {
+        before_two();
         const std::int32_t at = next_place(), second_at = next_place();
         const PlacedBall o = index.ball[at], second = index.ball[second_at];
         test(touches(o), numbered ? o.number_or_radius : at);
@@ -198,31 +200,32 @@ __device__ inline Pair pair_of(const Asking& a, const Asked& asked, const Sorted
   return a.number < j ? Pair{a.number, j} : Pair{j, a.number};
 }
 
-// All threads of the block together, each with a ball that asks or without. Contacts of a block lie side by side.
+// All threads of the block together, each with a ball that asks or without. Contacts of a block lie side by side, but for those
+// of balls that have many.
 __device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Lists& lists,
                                       const Asking& a, const Asked& asked, bool asks, const ContactsView& out) {
   std::int32_t hits = 0;
-  if (asks)
-    ask(in, grids, index, lists, a, asked, [&](bool touches, std::int32_t found) {
-      lists.hit[min(hits, kHits) * lists.step] = found;  // the next one overwrites it if this is none
-      hits += touches;
-    });
-  std::int64_t at = out.form == OutputForm::pairs ? take_places(out.count, hits) : 0;
-  const auto write = [&](std::int32_t found) {
-    const Pair pair = pair_of(a, asked, index, found);
-    if (out.form == OutputForm::pairs)
-      write_pair(out, at++, pair);
-    else
-      write_contact(out, pair.i, pair.j);
-  };
-  if (hits <= kHits) {
+  const auto write = [&](std::int64_t at) {
 #pragma unroll 1
-    for (int k = 0; k < hits; ++k) write(lists.hit[k * lists.step]);
-  } else {
-    ask(in, grids, index, lists, a, asked, [&](bool touches, std::int32_t found) {
-      if (touches) write(found);
-    });
-  }
+    for (int k = 0; k < hits; ++k) {
+      const Pair pair = pair_of(a, asked, index, lists.hit[k * lists.step]);
+      if (out.form == OutputForm::pairs)
+        write_pair(out, at++, pair);
+      else
+        write_contact(out, pair.i, pair.j);
+    }
+  };
+  const auto keep = [&](bool touches, std::int32_t found) {
+    lists.hit[hits * lists.step] = found;  // the next one overwrites it if this is none
+    hits += touches;
+  };
+  const auto make_room_for_two = [&] {
+    if (hits <= kHits - 2) return;
+    write(out.form == OutputForm::pairs ? atomic_add(out.count, hits) : 0);
+    hits = 0;
+  };
+  if (asks) ask(in, grids, index, lists, a, asked, keep, make_room_for_two);
+  write(out.form == OutputForm::pairs ? take_places(out.count, hits) : 0);
 }
 
 enum class Write {
@@ -262,12 +265,15 @@ __global__ void __maxnreg__(48)
     if (kWrite == Write::as_found) {
       write_as_found(in, grids, index, lists, a, asked, asks, out);
     } else if (asks) {
-      ask(in, grids, index, lists, a, asked, [&](bool touches, std::int32_t found) {
-        if (!touches) return;
-        const Pair pair = pair_of(a, asked, index, found);
-        const std::int64_t at = atomic_add(&row_end[pair.i], 1);
-        if (kWrite == Write::to_rows) write_pair(out, at, pair);
-      });
+      ask(
+          in, grids, index, lists, a, asked,
+          [&](bool touches, std::int32_t found) {
+            if (!touches) return;
+            const Pair pair = pair_of(a, asked, index, found);
+            const std::int64_t at = atomic_add(&row_end[pair.i], 1);
+            if (kWrite == Write::to_rows) write_pair(out, at, pair);
+          },
+          [] {});
     }
   }
 }
