@@ -35,19 +35,28 @@ struct alignas(8) Places {
   std::int32_t first, end;
 };
 
-// A thread's lists in shared memory: entry k is [k * step].
-struct Lists {
-  Places* range;      // kRanges, and one more that ends the list
-  std::int32_t* hit;  // kHits
-  int step;           // threads a block
+// A thread's list in shared memory. A place in it is where it lies, in bytes from the start of what the launch gave the block:
+// one register. A warp's threads have theirs side by side, so that the step is known when this is compiled and banks never clash.
+template <class T, int kRoom>
+struct List {
+  static constexpr int kStep = kWarpSize * static_cast<int>(sizeof(T)), kBytes = kRoom * kStep;  // a warp's
+  int first;
 
-  static __host__ __device__ std::size_t bytes(int threads) {
-    return ((kRanges + 1) * sizeof(Places) + kHits * sizeof(std::int32_t)) * static_cast<std::size_t>(threads);
-  }
+  __device__ T& operator[](int at) const { return *reinterpret_cast<T*>(dynamic_shared<char>() + at); }
+  __device__ int room_for(int more) const { return first + (kRoom - more) * kStep; }  // the last place with room for so many
+  __device__ int size(int end) const { return (end - first) / kStep; }
+};
+
+struct Lists {
+  List<Places, kRanges + 1> range;  // one more, that ends it
+  List<std::int32_t, kHits> hit;
+
+  static constexpr int kBytes = decltype(range)::kBytes + decltype(hit)::kBytes;  // a warp's
+  static __host__ __device__ std::size_t bytes(int threads) { return kBytes * static_cast<std::size_t>(threads / kWarpSize); }
   static __device__ Lists open() {
-    const int step = static_cast<int>(blockDim.x);
-    Places* const range = dynamic_shared<Places>();
-    return {range + threadIdx.x, reinterpret_cast<std::int32_t*>(range + (kRanges + 1) * step) + threadIdx.x, step};
+    const int lane = static_cast<int>(threadIdx.x) % kWarpSize, warp = static_cast<int>(threadIdx.x) / kWarpSize * kBytes;
+    return {{warp + lane * static_cast<int>(sizeof(Places))},
+            {warp + decltype(range)::kBytes + lane * static_cast<int>(sizeof(std::int32_t))}};
   }
 };
 
@@ -71,6 +80,8 @@ struct Rows {
   std::int32_t entry, span;          // of the next row: its first cell in reach, and how many entries on its balls end
   std::int32_t left, left_in_layer;  // rows with this one; rows after it at its z
   std::int32_t width, jump;          // rows in reach at one z; entries to skip from one z to the next
+  // From one row of a thread to its next: entries, without the jump from z to z where left_in_layer, less by this, falls below 0.
+  std::int32_t step, step_in_layer;
 };
 
 __device__ inline Rows rows_in_reach(const LevelGrids& grids, const Asking& a, const Asked& asked, float reach) {
@@ -90,8 +101,11 @@ __device__ inline Rows rows_in_reach(const LevelGrids& grids, const Asking& a, c
             (z_hi - z) * width + y_hi - y + 1 - a.lane,
             y_hi - y - a.lane,
             width,
-            jump};
+            jump,
+            a.lanes * stride,
+            a.lanes};
   for (; rows.left_in_layer < 0; rows.left_in_layer += width) rows.entry += jump;
+  for (; rows.step_in_layer >= width; rows.step_in_layer -= width) rows.step += jump;
   return rows;
 }
 
@@ -114,28 +128,33 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
     return in_contact(me, Ball{o.x, o.y, o.z, radius});
   };
   Rows rows = rows_in_reach(grids, a, asked, pad(add(sum, asked.drift)));
-  const std::int32_t step = a.lanes * (asked.grid.nx + 1);
   bool own_row = asked.own && a.lane == 0;
   while (rows.left > 0) {
-    int ranges = 0;
-    std::int32_t left = 0;  // balls in them
+    int end = lists.range.first;
+    std::int32_t left = 0;  // balls in the list's rows
 #pragma unroll 1
     do {
-      const Places places{own_row ? a.place + 1 : index.start[rows.entry], index.start[rows.entry + rows.span]};
-      own_row = false;
-      rows.entry += step, rows.left -= a.lanes;
-      for (rows.left_in_layer -= a.lanes; rows.left_in_layer < 0; rows.left_in_layer += rows.width) rows.entry += rows.jump;
-      lists.range[ranges * lists.step] = places;
+      const Places places{index.start[rows.entry], index.start[rows.entry + rows.span]};
+      rows.entry += rows.step, rows.left -= a.lanes, rows.left_in_layer -= rows.step_in_layer;
+      if (rows.left_in_layer < 0) rows.entry += rows.jump, rows.left_in_layer += rows.width;
+      lists.range[end] = places;
       left += places.end - places.first;
-      ranges += places.first < places.end;
-    } while (ranges < kRanges && rows.left > 0);
+      if (places.first < places.end) end += lists.range.kStep;
+    } while (end <= lists.range.room_for(2) && rows.left > 0);
+    lists.range[end] = {a.place, a.place};
+    int next = lists.range.first;
+    if (own_row) {  // which holds this ball, so that it is the first listed: the ball asks for those after it
+      own_row = false;
+      Places& row = lists.range[next];
+      left -= a.place + 1 - row.first;
+      row.first = a.place + 1;
+      if (row.first == row.end) next += lists.range.kStep;
+    }
     if (left == 0) continue;
     // One loop over the balls of all ranges, so that a warp's threads stay together: two a step, fetched at once.
-    lists.range[ranges * lists.step] = {a.place, a.place};
-    int next = 0;
     Places range{0, 0};
     const auto next_place = [&] {
-      if (range.first == range.end) range = lists.range[next], next += lists.step;
+      if (range.first == range.end) range = lists.range[next], next += lists.range.kStep;
       return range.first++;
     };
     if (asked.alike) {
@@ -204,11 +223,11 @@ __device__ inline Pair pair_of(const Asking& a, const Asked& asked, const Sorted
 // of balls that have many.
 __device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, const SortedLevelsView& index, const Lists& lists,
                                       const Asking& a, const Asked& asked, bool asks, const ContactsView& out) {
-  std::int32_t hits = 0;
+  int end = lists.hit.first;
   const auto write = [&](std::int64_t at) {
 #pragma unroll 1
-    for (int k = 0; k < hits; ++k) {
-      const Pair pair = pair_of(a, asked, index, lists.hit[k * lists.step]);
+    for (int k = lists.hit.first; k != end; k += lists.hit.kStep) {
+      const Pair pair = pair_of(a, asked, index, lists.hit[k]);
       if (out.form == OutputForm::pairs)
         write_pair(out, at++, pair);
       else
@@ -216,16 +235,16 @@ __device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, c
     }
   };
   const auto keep = [&](bool touches, std::int32_t found) {
-    lists.hit[hits * lists.step] = found;  // the next one overwrites it if this is none
-    hits += touches;
+    lists.hit[end] = found;  // the next one overwrites it if this is none
+    if (touches) end += lists.hit.kStep;
   };
   const auto make_room_for_two = [&] {
-    if (hits <= kHits - 2) return;
-    write(out.form == OutputForm::pairs ? atomic_add(out.count, hits) : 0);
-    hits = 0;
+    if (end <= lists.hit.room_for(2)) return;
+    write(out.form == OutputForm::pairs ? atomic_add(out.count, lists.hit.size(end)) : 0);
+    end = lists.hit.first;
   };
   if (asks) ask(in, grids, index, lists, a, asked, keep, make_room_for_two);
-  write(out.form == OutputForm::pairs ? take_places(out.count, hits) : 0);
+  write(out.form == OutputForm::pairs ? take_places(out.count, lists.hit.size(end)) : 0);
 }
 
 enum class Write {
