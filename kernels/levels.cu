@@ -27,8 +27,9 @@
 namespace touchstone {
 namespace {
 
-constexpr int kHits = 8;    // contacts that a thread keeps until its block has found all; one with more writes them as it goes
-constexpr int kRanges = 6;  // rows of cells that a thread looks up before it tests their balls
+constexpr int kHits = 9;      // contacts that a thread keeps until its block has found all; one with more writes them as it goes
+constexpr int kRanges = 6;    // rows of cells that a thread looks up before it tests their balls
+constexpr int kTogether = 3;  // of them whose places are fetched at once
 
 // The balls of one row of cells within reach.
 struct alignas(8) Places {
@@ -52,6 +53,13 @@ struct Lists {
   List<std::int32_t, kHits> hit;
 
   static constexpr int kBytes = decltype(range)::kBytes + decltype(hit)::kBytes;  // a warp's
+  // Where the ranges were: a warp's pairs side by side.
+  static constexpr int kStaged = decltype(range)::kBytes / static_cast<int>(sizeof(Pair));
+  __device__ Pair& staged(int k) const {
+    const int warp = range.first / kBytes * kBytes;
+    return *reinterpret_cast<Pair*>(dynamic_shared<char>() + warp + k * static_cast<int>(sizeof(Pair)));
+  }
+
   static __host__ __device__ std::size_t bytes(int threads) { return kBytes * static_cast<std::size_t>(threads / kWarpSize); }
   static __device__ Lists open() {
     const int lane = static_cast<int>(threadIdx.x) % kWarpSize, warp = static_cast<int>(threadIdx.x) / kWarpSize * kBytes;
@@ -133,14 +141,22 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
     int end = lists.range.first;
     std::int32_t left = 0;  // balls in the list's rows
 #pragma unroll 1
-    do {
-      const Places places{index.start[rows.entry], index.start[rows.entry + rows.span]};
-      rows.entry += rows.step, rows.left -= a.lanes, rows.left_in_layer -= rows.step_in_layer;
-      if (rows.left_in_layer < 0) rows.entry += rows.jump, rows.left_in_layer += rows.width;
-      lists.range[end] = places;
-      left += places.end - places.first;
-      if (places.first < places.end) end += lists.range.kStep;
-    } while (end <= lists.range.room_for(2) && rows.left > 0);
+    for (int looked_up = 0; looked_up < kRanges && rows.left > 0; looked_up += kTogether) {
+      Places places[kTogether];
+#pragma unroll
+      for (Places& p : places) {
+        p = {0, 0};
+        if (rows.left > 0) p = {index.start[rows.entry], index.start[rows.entry + rows.span]};
+        rows.entry += rows.step, rows.left -= a.lanes, rows.left_in_layer -= rows.step_in_layer;
+        if (rows.left_in_layer < 0) rows.entry += rows.jump, rows.left_in_layer += rows.width;
+      }
+#pragma unroll
+      for (const Places& p : places) {
+        lists.range[end] = p;
+        left += p.end - p.first;
+        if (p.first < p.end) end += lists.range.kStep;
+      }
+    }
     lists.range[end] = {a.place, a.place};
     int next = lists.range.first;
     if (own_row) {  // which holds this ball, so that it is the first listed: the ball asks for those after it
@@ -178,8 +194,14 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
   }
 }
 
-// All threads of the block together: the first of so many places in the list, for this thread.
-__device__ inline std::int64_t take_places(std::int64_t* count, std::int32_t hits) {
+// Places in the list of pairs: of a warp side by side.
+struct Taken {
+  std::int64_t first;           // of the warp
+  std::int32_t before, in_all;  // the warp's threads before this one took so many, all of them so many
+};
+
+// All threads of the block together, each for so many pairs.
+__device__ inline Taken take_places(std::int64_t* count, std::int32_t hits) {
   __shared__ std::int32_t in_warp[kWarpSize];
   __shared__ std::int64_t block_first;
   const int warp = static_cast<int>(threadIdx.x) / kWarpSize, warps = static_cast<int>(blockDim.x) / kWarpSize;
@@ -194,7 +216,7 @@ __device__ inline std::int64_t take_places(std::int64_t* count, std::int32_t hit
   }
   if (threadIdx.x == 0 && all > 0) block_first = atomic_add(count, all);
   __syncthreads();
-  return block_first + before + up_to - hits;
+  return {block_first + before, up_to - hits, __shfl_sync(kFullWarp, up_to, kWarpSize - 1)};
 }
 
 // The ball at `place`, filed in level `g`, and what it asks with.
@@ -244,7 +266,18 @@ __device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, c
     end = lists.hit.first;
   };
   if (asks) ask(in, grids, index, lists, a, asked, keep, make_room_for_two);
-  write(out.form == OutputForm::pairs ? take_places(out.count, lists.hit.size(end)) : 0);
+  if (out.form == OutputForm::ball_lists) return write(0);
+  const Taken taken = take_places(out.count, lists.hit.size(end));
+  if (taken.in_all > Lists::kStaged) return write(taken.first + taken.before);
+  // Put in order in shared memory, so that the warp's stores are of neighbours.
+  int k = taken.before;
+#pragma unroll 1
+  for (int at = lists.hit.first; at != end; at += lists.hit.kStep) lists.staged(k++) = pair_of(a, asked, index, lists.hit[at]);
+  __syncwarp();
+#pragma unroll 1
+  for (k = static_cast<int>(threadIdx.x) % kWarpSize; k < taken.in_all; k += kWarpSize)
+    write_pair(out, taken.first + k, lists.staged(k));
+  __syncwarp();  // before the next ball's ranges are written there
 }
 
 enum class Write {

@@ -11,7 +11,7 @@
 namespace touchstone {
 
 // One contact, i < j in the packing's numbering.
-struct Pair {
+struct alignas(8) Pair {  // so that one store writes it
   std::int32_t i, j;
   friend bool operator==(const Pair&, const Pair&) = default;
   friend auto operator<=>(const Pair&, const Pair&) = default;
