@@ -48,16 +48,21 @@ struct List {
   __device__ int size(int end) const { return (end - first) / kStep; }
 };
 
+// The number of a ball that asked, and what it found.
+struct alignas(8) Staged {
+  std::int32_t number, found;
+};
+
 struct Lists {
   List<Places, kRanges + 1> range;  // one more, that ends it
   List<std::int32_t, kHits> hit;
 
   static constexpr int kBytes = decltype(range)::kBytes + decltype(hit)::kBytes;  // a warp's
-  // Where the ranges were: a warp's pairs side by side.
-  static constexpr int kStaged = decltype(range)::kBytes / static_cast<int>(sizeof(Pair));
-  __device__ Pair& staged(int k) const {
+  // Where the ranges were: what a warp found, side by side.
+  static constexpr int kStaged = decltype(range)::kBytes / static_cast<int>(sizeof(Staged));
+  __device__ Staged& staged(int k) const {
     const int warp = range.first / kBytes * kBytes;
-    return *reinterpret_cast<Pair*>(dynamic_shared<char>() + warp + k * static_cast<int>(sizeof(Pair)));
+    return *reinterpret_cast<Staged*>(dynamic_shared<char>() + warp + k * static_cast<int>(sizeof(Staged)));
   }
 
   static __host__ __device__ std::size_t bytes(int threads) { return kBytes * static_cast<std::size_t>(threads / kWarpSize); }
@@ -235,10 +240,10 @@ __device__ inline Asking asking_at(const Ball* in, const LevelGrids& grids, cons
   return {Ball{b.x, b.y, b.z, radius}, place, number, y, z, lane, lanes};
 }
 
-// The pair that a ball makes with what ask() found.
-__device__ inline Pair pair_of(const Asking& a, const Asked& asked, const SortedLevelsView& index, std::int32_t found) {
+// The pair that the ball of this number makes with what ask() found.
+__device__ inline Pair pair_of(std::int32_t number, const Asked& asked, const SortedLevelsView& index, std::int32_t found) {
   const std::int32_t j = asked.grid.one_radius ? found : index.number[found];
-  return a.number < j ? Pair{a.number, j} : Pair{j, a.number};
+  return number < j ? Pair{number, j} : Pair{j, number};
 }
 
 // All threads of the block together, each with a ball that asks or without. Contacts of a block lie side by side, but for those
@@ -249,7 +254,7 @@ __device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, c
   const auto write = [&](std::int64_t at) {
 #pragma unroll 1
     for (int k = lists.hit.first; k != end; k += lists.hit.kStep) {
-      const Pair pair = pair_of(a, asked, index, lists.hit[k]);
+      const Pair pair = pair_of(a.number, asked, index, lists.hit[k]);
       if (out.form == OutputForm::pairs)
         write_pair(out, at++, pair);
       else
@@ -269,14 +274,16 @@ __device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, c
   if (out.form == OutputForm::ball_lists) return write(0);
   const Taken taken = take_places(out.count, lists.hit.size(end));
   if (taken.in_all > Lists::kStaged) return write(taken.first + taken.before);
-  // Put in order in shared memory, so that the warp's stores are of neighbours.
+  // Put in order in shared memory, so that the warp looks numbers up together, and stores to neighbours.
   int k = taken.before;
 #pragma unroll 1
-  for (int at = lists.hit.first; at != end; at += lists.hit.kStep) lists.staged(k++) = pair_of(a, asked, index, lists.hit[at]);
+  for (int at = lists.hit.first; at != end; at += lists.hit.kStep) lists.staged(k++) = {a.number, lists.hit[at]};
   __syncwarp();
 #pragma unroll 1
-  for (k = static_cast<int>(threadIdx.x) % kWarpSize; k < taken.in_all; k += kWarpSize)
-    write_pair(out, taken.first + k, lists.staged(k));
+  for (k = static_cast<int>(threadIdx.x) % kWarpSize; k < taken.in_all; k += kWarpSize) {
+    const Staged one = lists.staged(k);
+    write_pair(out, taken.first + k, pair_of(one.number, asked, index, one.found));
+  }
   __syncwarp();  // before the next ball's ranges are written there
 }
 
@@ -321,7 +328,7 @@ __global__ void __maxnreg__(48)
           in, grids, index, lists, a, asked,
           [&](bool touches, std::int32_t found) {
             if (!touches) return;
-            const Pair pair = pair_of(a, asked, index, found);
+            const Pair pair = pair_of(a.number, asked, index, found);
             const std::int64_t at = atomic_add(&row_end[pair.i], 1);
             if (kWrite == Write::to_rows) write_pair(out, at, pair);
           },

@@ -10,6 +10,7 @@ namespace touchstone {
 namespace {
 
 constexpr int kMostLevels = LevelGrids::kMost;
+constexpr int kCountedOfMany = 2;   // balls that a thread counts, where they are many
 constexpr int kChunksInHand = 4;    // 32 cells each: what of a row a warp keeps in registers
 constexpr float kMostDrift = 0.1f;  // in radii of the finest level: the search's boxes grow by as much
 
@@ -61,47 +62,65 @@ __global__ void follow_kernel(BallsView in, const __grid_constant__ LevelGrids g
   if (threadIdx.x == 0 && furthest > 0) atomicMax(reinterpret_cast<int*>(&index.drift->step), furthest);
 }
 
-// One thread a ball: counts it in its cell, and keeps its rank there. Balls of levels are counted a block at a time.
+// Counts each ball in its cell, and keeps its rank there. A thread takes kBalls, and waits for the memory of all of them at once.
+// Balls of levels are counted a block at a time.
+template <int kBalls>
 __global__ void count_kernel(BallSource source, const __grid_constant__ LevelGrids grids, SortedLevelsView index,
                              ContactsView out, bool always) {
   __shared__ std::int32_t counted[kMostLevels], odd[kMostLevels];
   let_next_kernel_begin();
   if (threadIdx.x < kMostLevels) counted[threadIdx.x] = odd[threadIdx.x] = 0;
-  const std::int64_t k = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
-  if (k == 0 && out.form == OutputForm::pairs) *out.count = 0;
-  if (k < source.n && out.form == OutputForm::ball_lists) out.length[k] = 0;
-  Ball b{};
-  if (k < source.n) b = take(source, k).ball;
+  const std::int64_t first = static_cast<std::int64_t>(blockIdx.x) * blockDim.x * kBalls + threadIdx.x;
+  if (first == 0 && out.form == OutputForm::pairs) *out.count = 0;
+  Ball b[kBalls] = {};
+#pragma unroll
+  for (int m = 0; m < kBalls; ++m) {
+    const std::int64_t k = first + m * blockDim.x;
+    if (k < source.n && out.form == OutputForm::ball_lists) out.length[k] = 0;
+    if (k < source.n) b[m] = take(source, k).ball;
+  }
   wait_for_kernel_before();
   if (!files(index, always)) return;
-  int level = -1;
-  bool is_odd = false;
-  std::int32_t rank = 0;
-  if (k < source.n) {
-    level = grids.level_of(b.r);
-    const LevelGrid& g = grids.level[level];
-    is_odd = g.one_radius && b.r != g.radius;
-    rank = atomicAdd(&index.count[entry_of(grids, g, b) + 1], 1);  // on its way while levels are counted
+  int level[kBalls];
+  bool is_odd[kBalls];
+  std::int32_t rank[kBalls];
+#pragma unroll
+  for (int m = 0; m < kBalls; ++m) {
+    level[m] = -1, is_odd[m] = false, rank[m] = 0;
+    if (first + m * blockDim.x >= source.n) continue;
+    level[m] = grids.level_of(b[m].r);
+    const LevelGrid& g = grids.level[level[m]];
+    is_odd[m] = g.one_radius && b[m].r != g.radius;
+    rank[m] = atomicAdd(&index.count[entry_of(grids, g, b[m]) + 1], 1);  // on its way while levels are counted
   }
   __syncthreads();
   const bool leader = threadIdx.x % kWarpSize == 0;
   for (int l = 0; l < grids.levels; ++l) {
-    const unsigned members = l == 0 ? 0 : __ballot_sync(kFullWarp, level == l);  // level 0 has the rest
-    const bool any_odd = __any_sync(kFullWarp, level == l && is_odd);
-    if (leader && members) atomicAdd(&counted[l], __popc(members));
+    int members = 0;
+    bool any_odd = false;
+#pragma unroll
+    for (int m = 0; m < kBalls; ++m) {
+      if (l > 0) members += __popc(__ballot_sync(kFullWarp, level[m] == l));  // level 0 has the rest
+      any_odd |= __any_sync(kFullWarp, level[m] == l && is_odd[m]) != 0;
+    }
+    if (leader && members) atomicAdd(&counted[l], members);
     if (leader && any_odd) atomicAdd(&odd[l], 1);
   }
   __syncthreads();
   const int l = static_cast<int>(threadIdx.x);
   if (l < grids.levels && counted[l]) atomicAdd(&index.counted[l], counted[l]);
   if (l < grids.levels && odd[l]) atomicAdd(&index.odd[l], odd[l]);
-  if (k < source.n) index.rank[k] = rank;
+#pragma unroll
+  for (int m = 0; m < kBalls; ++m)
+    if (const std::int64_t k = first + m * blockDim.x; k < source.n) index.rank[k] = rank[m];
 }
 
 // Where level l's places begin: coarser levels come before it.
 __device__ inline std::int32_t first_place(const LevelGrids& grids, const SortedLevelsView& index, int l) {
   std::int32_t first = 0;
-  for (int coarser = grids.levels - 1; coarser > l; --coarser) first += index.counted[coarser];
+#pragma unroll
+  for (int coarser = 1; coarser < kMostLevels; ++coarser)  // fetched at once
+    if (coarser > l && coarser < grids.levels) first += index.counted[coarser];
   return first;
 }
 
@@ -166,6 +185,7 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
     if (x < cells && clears) count[x] = 0;
   }
   place += balls_held;
+#pragma unroll 1
   for (std::int32_t x0 = kChunksInHand * kWarpSize; x0 < cells; x0 += kWarpSize) {
     const std::int32_t x = x0 + lane, own = x < cells ? count[x] : 0, up_to = sum_up_to_lane(own);
     __syncwarp();  // in place, the next lane's start lies where this count lay
@@ -282,7 +302,8 @@ void SortedLevels::file(const BallSource& source, ContactsView out, bool always,
   const SortedLevelsView index = view();
   stream.mark("count");
   const bool follows = !always;  // follow_kernel, of the same run
-  launch_after(follows && overlaps_, stream, balls, count_kernel, source, grids_, index, out, always);
+  launch_after(follows && overlaps_, stream, {blocks_for(n_, (large_ ? kCountedOfMany : 1) * threads_), threads_},
+               large_ ? count_kernel<kCountedOfMany> : count_kernel<1>, source, grids_, index, out, always);
   stream.mark("rows");
   launch_after(overlaps_, stream, {blocks_for(grids_.rows, threads_ / kWarpSize), threads_}, rows_kernel, n_, grids_, index,
                always);
@@ -309,7 +330,8 @@ void SortedLevels::update(BallsView in, ContactsView out, Stream& stream) {
 std::vector<KernelFacts> SortedLevels::kernels() const {
   std::vector<KernelFacts> all;
   if (large_) all = PartedBalls::kernels();
-  all.push_back(kernel_facts("count_kernel", "broad", {1, threads_}, count_kernel));
+  all.push_back(kernel_facts("count_kernel", "broad", {1, threads_},
+                             large_ ? count_kernel<kCountedOfMany> : count_kernel<1>));
   all.push_back(kernel_facts("rows_kernel", "broad", {1, threads_}, rows_kernel));
   all.push_back(kernel_facts("move_kernel", "broad", {1, threads_}, move_kernel));
   if (options_.updates) all.push_back(kernel_facts("follow_kernel", "broad", {1, threads_}, follow_kernel));
