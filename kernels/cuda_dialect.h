@@ -67,10 +67,6 @@ template <class Kernel>
 bool can_overlap(Kernel*) {
   return false;
 }
-template <class... Params>
-std::int64_t blocks_at_once(LaunchShape, void (*)(Params...)) {
-  return 1320;  // as an H100 would say of a search of `levels`, so that the double plans what a GPU does
-}
 inline void wait_for_kernel_before() {}
 inline void let_next_kernel_begin() {}
 
@@ -168,15 +164,6 @@ bool can_overlap(Kernel* kernel) {
   cudaFuncAttributes attributes{};
   check(cudaFuncGetAttributes(&attributes, kernel));
   return attributes.ptxVersion >= 90 && attributes.binaryVersion >= 90;
-}
-
-// Blocks of this shape that the current device runs at once.
-template <class... Params>
-std::int64_t blocks_at_once(LaunchShape shape, void (*kernel)(Params...)) {
-  int device = 0, multiprocessors = 0;
-  check(cudaGetDevice(&device));
-  check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
-  return std::int64_t{multiprocessors} * kernel_facts("", "", shape, kernel).blocks_an_sm;
 }
 
 __device__ inline void wait_for_kernel_before() {

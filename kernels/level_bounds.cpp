@@ -14,10 +14,10 @@ namespace {
 // A level more must save this share of the search: it has rows to sum and blocks to start.
 constexpr double kLeastSaving = 0.01;
 
-// About the number of balls that SearchTime was fitted to, the longest of the searches decides as much as their sum: there levels
-// are moved as long as the expected time falls by this share, half of what it errs by.
-constexpr std::int32_t kLeastBallsMoved = 1 << 12, kMostBallsMoved = 1 << 17;
-constexpr double kLeastSavingMoved = 0.05;
+// About the numbers of balls that SearchTime was fitted to, the longest of the searches decides as much as their sum: there
+// levels are moved as long as the expected time falls by this share.
+constexpr std::int32_t kLeastBallsMoved = 1 << 11, kMostBallsMoved = 1 << 17;
+constexpr double kLeastSavingMoved = 0.02;
 constexpr int kPlacesForBounds = 12;
 constexpr float kMergedBin = 1.04f;  // radii in the ratio of at most this count as one while levels are planned
 

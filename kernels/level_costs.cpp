@@ -1,6 +1,7 @@
 #include "kernels/level_costs.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace touchstone {
 
@@ -29,9 +30,9 @@ ExpectedQuery expected_query(const PackingFacts& facts, double radius, double mo
   return {rows, balls * share};
 }
 
-double instructions(const ExpectedQuery& q, bool own, bool several, const LevelCosts& costs, int lanes) {
-  const double shared = q.rows * costs.row + q.tests * (several ? costs.test_of_several : costs.test);
-  return (own ? costs.own : costs.finer) + shared / lanes;
+double instructions(const ExpectedQuery& q, bool own, bool several) {
+  const LevelCosts& c = kLevelCosts;
+  return (own ? c.own : c.finer) + q.rows * c.row + q.tests * (several ? c.test_of_several : c.test);
 }
 
 LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
@@ -52,28 +53,91 @@ LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
   return work;
 }
 
-double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
+std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const LevelGrids& grids) {
   const std::vector<double> balls = balls_of_levels(facts, grids);
-  const LevelQueries queries = plan_level_queries(facts, grids, 128);
-  double work = 0, wait = 0;
-  for (int k = 0; k < queries.count; ++k) {
-    const LevelQuery& q = queries.query[k];
-    const LevelGrid& g = grids.level[q.asked];
-    const bool own = q.asking == q.asked;
-    ExpectedQuery mean{0, 0};
-    for (const auto& [radius, count] : facts.radii) {
-      if (grids.level_of(radius) != q.asking) continue;
-      const ExpectedQuery one = expected_query(facts, radius, g.radius, balls[q.asked], 1.0 / g.inv_x, 1.0 / g.inv_yz, own);
-      mean.rows += count / balls[q.asking] * one.rows, mean.tests += count / balls[q.asking] * one.tests;
+  std::vector<ExpectedSearch> searches;
+  for (int asking = grids.levels - 1; asking >= 0; --asking)
+    for (int asked = 0; asked <= asking; ++asked)
+      searches.push_back({asking, asked, !grids.level[asked].one_radius, balls[asking], {0, 0}, {0, 0}});
+  for (const auto& [radius, count] : facts.radii) {  // which ascend: the last of a level is its largest
+    const int asking = grids.level_of(radius);
+    for (ExpectedSearch& s : searches) {
+      if (s.asking != asking) continue;
+      const LevelGrid& g = grids.level[s.asked];
+      s.largest = expected_query(facts, radius, g.radius, balls[s.asked], 1.0 / g.inv_x, 1.0 / g.inv_yz, s.asked == asking);
+      s.mean.rows += count / s.balls * s.largest.rows, s.mean.tests += count / s.balls * s.largest.tests;
     }
-    const auto of_a_thread = [&](const LevelCosts& costs) {
-      return instructions(mean, own, !g.one_radius, costs, 1 << q.lane_bits);
-    };
-    work += q.blocks * of_a_thread(SearchTime::kWork);
-    wait = std::max(wait, of_a_thread(SearchTime::kWait));
   }
-  return SearchTime::kStart + SearchTime::kBlock * work + SearchTime::kInstruction * wait + SearchTime::kEntry * grids.entries +
-         SearchTime::kRowOfCells * grids.rows;
+  return searches;
+}
+
+namespace {
+
+double blocks_of(const ExpectedSearch& s, int lane_bits) {
+  return std::max(1.0, std::ceil(std::ldexp(s.balls, lane_bits) / SearchTime::kThreadsABlock));
+}
+
+double query_ns(const ExpectedSearch& s, const SearchTime::Ns (&costs)[2][2], double largest, int lane_bits) {
+  const SearchTime::Ns& ns = costs[s.asking != s.asked][s.several];
+  const double rows = std::lerp(s.mean.rows, s.largest.rows, largest), tests = std::lerp(s.mean.tests, s.largest.tests, largest);
+  return ns.query + (rows * ns.row + tests * ns.test) / (1 << lane_bits);
+}
+
+}  // namespace
+
+double block_ns(const ExpectedSearch& s, int lane_bits) {
+  return blocks_of(s, lane_bits) * query_ns(s, SearchTime::kBlock, SearchTime::kBlockLargest, lane_bits);
+}
+
+double thread_ns(const ExpectedSearch& s, int lane_bits) {
+  return s.balls > 0 ? query_ns(s, SearchTime::kThread, SearchTime::kThreadLargest, lane_bits) : 0;
+}
+
+double search_us(const std::vector<ExpectedSearch>& searches, const std::vector<int>& lane_bits) {
+  double all = 0, longest = 0, blocks = 0;
+  for (std::size_t k = 0; k < searches.size(); ++k) {
+    all += block_ns(searches[k], lane_bits[k]);
+    longest = std::max(longest, thread_ns(searches[k], lane_bits[k]));
+    blocks += blocks_of(searches[k], lane_bits[k]);
+  }
+  const auto [less, more] = std::minmax(all, longest);
+  return 1e-3 * more * std::pow(1 + std::pow(less / more, SearchTime::kPower), 1 / SearchTime::kPower) +
+         (blocks > SearchTime::kBlocksAtOnce ? SearchTime::kSecondWaveUs : 0);
+}
+
+// Threads a ball that are tried: no more than there are rows. Fewer than 16 were never faster where a level of equal balls is
+// asked from a coarser one, and more than make 2^16 threads not where such a level asks itself; the fit does not see either.
+std::pair<int, int> lane_bits_allowed(const ExpectedSearch& s) {
+  int most = s.asking == s.asked ? 3 : 5;
+  while (most > 0 && (1 << (most - 1)) >= s.mean.rows) --most;
+  if (s.asking != s.asked) return {std::min(s.several ? 2 : 4, most), most};
+  while (!s.several && most > 0 && std::ldexp(s.balls, most - 1) >= 1 << 16) --most;
+  return {0, most};
+}
+
+// With the longest thread's time given, all searches take the fewest threads that keep within it: their blocks' time is least
+// then.
+std::vector<int> fastest_lane_bits(const std::vector<ExpectedSearch>& searches) {
+  std::vector<std::pair<int, int>> allowed;
+  for (const ExpectedSearch& s : searches) allowed.push_back(lane_bits_allowed(s));
+  std::vector<int> fastest, tried(searches.size());
+  double least = 0;
+  for (std::size_t longest = 0; longest < searches.size(); ++longest)
+    for (int bits = allowed[longest].first; bits <= allowed[longest].second; ++bits) {
+      const double most_ns = thread_ns(searches[longest], bits);
+      for (std::size_t k = 0; k < searches.size(); ++k) {
+        tried[k] = allowed[k].first;
+        while (tried[k] < allowed[k].second && thread_ns(searches[k], tried[k]) > most_ns) ++tried[k];
+      }
+      if (const double us = search_us(searches, tried); fastest.empty() || us < least) fastest = tried, least = us;
+    }
+  return fastest;
+}
+
+double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
+  const std::vector<ExpectedSearch> searches = expected_searches(facts, grids);
+  return SearchTime::kStartUs + SearchTime::kBallUs * facts.n + SearchTime::kEntryUs * grids.entries +
+         SearchTime::kRowOfCellsUs * grids.rows + search_us(searches, fastest_lane_bits(searches));
 }
 
 }  // namespace touchstone

@@ -1,6 +1,7 @@
 // What searches by levels are expected to meet and to cost: the model that levels are chosen by (docs/level_choice.md).
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "kernels/level_grids.h"
@@ -32,8 +33,7 @@ struct LevelCosts {
 };
 inline constexpr LevelCosts kLevelCosts{200, 1000, 35, 14, 18};  // docs/levels.md, "Floors"
 
-// Of a thread, where `lanes` share the ball.
-double instructions(const ExpectedQuery& q, bool own, bool several, const LevelCosts& costs = kLevelCosts, int lanes = 1);
+double instructions(const ExpectedQuery& q, bool own, bool several);
 
 // What one ball's searches are expected to meet, in the mean over the balls the facts know; the terms of docs/theory.md for
 // levels, centres uniform in the box, and what plan_level_grids makes least.
@@ -45,12 +45,47 @@ struct LevelWork {
 };
 LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids);
 
-// The time of a detection on an H100, us: fitted to 4,551 detections with chosen levels and cells, 50,000 balls, C = 1 to 50
-// (docs/level_choice.md; root mean square error 11 %). A sum, and the longest of the searches.
-struct SearchTime {
-  static constexpr LevelCosts kWork{200, 200, 35, 24, 40}, kWait{384, 1172, 54, 21.6, 102};
-  static constexpr double kStart = 9.11, kBlock = 0.91e-5, kInstruction = 0.53e-2, kEntry = 0.05e-5, kRowOfCells = 5.5e-4;
+// One of the searches of a detection, and what its balls are expected to meet: in the mean, and the largest of them.
+struct ExpectedSearch {
+  int asking, asked;  // levels
+  bool several;       // radii in the asked one
+  double balls;       // that ask
+  ExpectedQuery mean, largest;
 };
+// Those of few large balls first, as LevelQueries has them.
+std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const LevelGrids& grids);
+
+// The time of a detection on an H100: that of what goes over all balls and cells, and a sum of two times, nearer to the larger:
+// the one that all blocks of the searches take together, and the one that the longest of all threads takes by itself. Fitted to
+// 12,836 detections of 3,000 to 110,000 balls with levels, cells and threads drawn by lot (docs/level_choice.md; root mean square
+// error 8 %).
+struct SearchTime {
+  struct Ns {
+    double query, row, test;
+  };
+  // By what is asked: [the own level, a finer one][of one radius, of several].
+  static constexpr Ns kBlock[2][2] = {{{0.93, 0.11, 0.13}, {2.49, 0.11, 0.32}}, {{3.11, 0.004, 0.006}, {3.11, 0.004, 0.007}}};
+  static constexpr Ns kThread[2][2] = {{{784, 12, 367}, {2787, 12, 237}}, {{16, 3, 616}, {16, 3, 742}}};
+  // A block's and a thread's queries: between those of the mean ball and of the largest.
+  static constexpr double kBlockLargest = 0.23, kThreadLargest = 0.95;
+  static constexpr double kPower = 1.67;  // of the sum: 1 would be a plain one, infinity the larger of both
+  static constexpr int kThreadsABlock = 128, kBlocksAtOnce = 1320;
+  static constexpr double kSecondWaveUs = 1.2;  // blocks that must wait until others have ended
+  static constexpr double kStartUs = 10.45, kBallUs = 7.5e-5, kEntryUs = 5.9e-8, kRowOfCellsUs = 6.4e-4;
+};
+
+// Of all blocks of a search, and of its longest thread, with 2^lane_bits threads a ball.
+double block_ns(const ExpectedSearch& search, int lane_bits);
+double thread_ns(const ExpectedSearch& search, int lane_bits);
+
+// All of SearchTime that threads a ball change; 2^lane_bits for each of the searches.
+double search_us(const std::vector<ExpectedSearch>& searches, const std::vector<int>& lane_bits);
+
+// The fewest and the most that are tried, as exponents of two; and of these what makes the expected time least.
+std::pair<int, int> lane_bits_allowed(const ExpectedSearch& search);
+std::vector<int> fastest_lane_bits(const std::vector<ExpectedSearch>& searches);
+
+// Of a whole detection with those.
 double expected_us(const PackingFacts& facts, const LevelGrids& grids);
 
 }  // namespace touchstone

@@ -14,8 +14,8 @@
 namespace touchstone {
 namespace {
 
-// Cells of a level, in its largest radii: along x, and along y and z (docs/levels.md).
-constexpr double kCellX = 1, kCellYZ = 2;
+// Cells of a level, in its largest radii: along x, in a level of one radius and of several, and along y and z (docs/levels.md).
+constexpr double kCellX = 1, kCellXOfSeveral = 0.7, kCellYZ = 2;
 
 // What a choice by hand may be: cells in radii; cells a ball.
 constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMostCellsABall = 1000;
@@ -58,15 +58,21 @@ void require_cell(const char* what, double cell) {
         fmt::format("levels: {} of {:g} radii; use {} to {}, or 0 for the plan's", what, cell, kLeastCell, kMostCell));
 }
 
-// The grids of these classes.
-LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vector<RadiusClass>& classes, double cell_x,
-                    double cell_yz, double cells_a_ball) {
+// Along x, in radii of the level.
+double cell_x(const PackingFacts& facts, const RadiusClass& level, const LevelChoice& choice) {
+  if (choice.cell_x != 0) return choice.cell_x;
+  return level.radius > facts.rmin ? kCellXOfSeveral : kCellX;
+}
+
+// The grids of these classes. What the choice leaves open was filled in, but for cell_x.
+LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vector<RadiusClass>& classes,
+                    const LevelChoice& choice) {
   LevelGrids grids;
   const Box box = box_of(facts);
   grids.x0 = box.lower[0], grids.y0 = box.lower[1], grids.z0 = box.lower[2];
   for (const RadiusClass& c : classes) {
     LevelGrid& level = grids.level[grids.levels++];
-    level = make_level(facts, c, cell_x, cell_yz, cells_a_ball);
+    level = make_level(facts, c, cell_x(facts, c, choice), choice.cell_yz, choice.cells_a_ball);
     level.first_entry = grids.entries, level.first_row = grids.rows;
     grids.entries += level.rows() * (level.nx + 1);
     grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));
@@ -82,20 +88,20 @@ LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, con
   if (choice.cells_a_ball != 0 && !(choice.cells_a_ball >= kLeastCellsABall && choice.cells_a_ball <= kMostCellsABall))
     throw InputError(fmt::format("levels: {:g} cells a ball; use {} to {}, or 0 for the plan's", choice.cells_a_ball,
                                  kLeastCellsABall, kMostCellsABall));
-  const double cells_a_ball = choice.cells_a_ball != 0 ? choice.cells_a_ball : kCellsABall;
-  const double cell_x = choice.cell_x != 0 ? choice.cell_x : kCellX, cell_yz = choice.cell_yz != 0 ? choice.cell_yz : kCellYZ;
+  LevelChoice chosen = choice;
+  if (chosen.cells_a_ball == 0) chosen.cells_a_ball = kCellsABall;
+  if (chosen.cell_yz == 0) chosen.cell_yz = kCellYZ;
   const PackingFacts facts = choice.bounds ? all_facts : with_fewer_bins(all_facts);
   const auto query = [&](double radius, const RadiusClass& level, double share) {
-    const double grown = growth_of_cells(facts, level, cell_x, cell_yz, cells_a_ball);
-    const double x = grown * cell_x * level.radius, yz = grown * cell_yz * level.radius;
+    const double x = cell_x(facts, level, chosen);
+    const double grown = level.radius * growth_of_cells(facts, level, x, chosen.cell_yz, chosen.cells_a_ball);
     const bool own = share < 1;
     const bool several = level.radius > facts.rmin;
-    return instructions(expected_query(facts, radius, level.radius, level.balls, x, yz, own), own, several);
+    const ExpectedQuery expected =
+        expected_query(facts, radius, level.radius, level.balls, grown * x, grown * chosen.cell_yz, own);
+    return instructions(expected, own, several);
   };
-
-  const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
-    return grids_of(facts, rows_a_block, classes, cell_x, cell_yz, cells_a_ball);
-  };
+  const auto to_grids = [&](const std::vector<RadiusClass>& classes) { return grids_of(facts, rows_a_block, classes, chosen); };
   if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
   return to_grids(choose_classes(facts, query, to_grids));
 }

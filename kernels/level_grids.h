@@ -71,9 +71,8 @@ struct LevelChoice {
 // for a choice that is none: which, and what would do.
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
 
-// The searches for balls as many as the facts say, in blocks of `threads`, of which the device runs `at_once` together: as many
-// threads a ball as run together, but no fewer than large packings take. Throws InputError as above.
-LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {},
-                                std::int64_t at_once = 1320);
+// The searches for balls as many as the facts say, in blocks of `threads`: with as many threads a ball as the cost model finds
+// fastest. Deterministic. Throws InputError as above.
+LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {});
 
 }  // namespace touchstone

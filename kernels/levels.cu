@@ -345,9 +345,7 @@ class Levels : public Detector {
         updates_(options.updates),
         index_(facts, params, options, stream) {
     if (n_ == 0) return;
-    const LaunchShape block{1, threads_narrow_, Lists::bytes(threads_narrow_)};
-    queries_ = plan_level_queries(facts, index_.grids(), threads_narrow_, options.choice,
-                                  blocks_at_once(block, search_kernel<Write::as_found>));
+    queries_ = plan_level_queries(facts, index_.grids(), threads_narrow_, options.choice);
     if (options.reproducible) rows_.emplace(n_, stream);
   }
 

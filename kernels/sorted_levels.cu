@@ -330,8 +330,7 @@ void SortedLevels::update(BallsView in, ContactsView out, Stream& stream) {
 std::vector<KernelFacts> SortedLevels::kernels() const {
   std::vector<KernelFacts> all;
   if (large_) all = PartedBalls::kernels();
-  all.push_back(kernel_facts("count_kernel", "broad", {1, threads_},
-                             large_ ? count_kernel<kCountedOfMany> : count_kernel<1>));
+  all.push_back(kernel_facts("count_kernel", "broad", {1, threads_}, large_ ? count_kernel<kCountedOfMany> : count_kernel<1>));
   all.push_back(kernel_facts("rows_kernel", "broad", {1, threads_}, rows_kernel));
   all.push_back(kernel_facts("move_kernel", "broad", {1, threads_}, move_kernel));
   if (options_.updates) all.push_back(kernel_facts("follow_kernel", "broad", {1, threads_}, follow_kernel));
