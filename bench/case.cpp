@@ -145,8 +145,8 @@ DetectorParams params_of(const Case& c, const PackingFacts& facts, const Tuning&
     const double rule = (on_gpu(info) ? 4 : 2) * facts.ravg;
     p.cell = std::max(c.protocol == Protocol::paper ? kPaperCell : rule, least);
   }
-  if (info.threads_broad) p.threads_broad = kPaperThreadsBroad;
-  if (info.threads_narrow) p.threads_narrow = kPaperThreadsNarrow;
+  if (info.threads_broad && !info.own_threads) p.threads_broad = kPaperThreadsBroad;
+  if (info.threads_narrow && !info.own_threads) p.threads_narrow = kPaperThreadsNarrow;
   return p;
 }
 

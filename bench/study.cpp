@@ -107,7 +107,9 @@ PackingSpec tuning_spec(const Case& c, Profile profile, std::int32_t n) {
   return spec;
 }
 
-bool tunable(const DetectorInfo& info) { return info.free_cell || info.threads_broad || info.threads_narrow; }
+bool tunable(const DetectorInfo& info) {
+  return info.free_cell || (!info.own_threads && (info.threads_broad || info.threads_narrow));
+}
 
 int samples_per_repetition(const Case& c, Profile profile, double sample_us) {
   const double most = budget_us(c, profile) / (kRepetitions * sample_us);

@@ -76,7 +76,8 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .known = "box,rmin,rmax,histogram",
      .make = make_levels,
      .bytes = bytes_of_levels,
-     .updates = true},
+     .updates = true,
+     .own_threads = true},
     {.name = "levels",
      .layout = "reproducible",
      .summary = "levels with the contact list in ascending order: the same bytes in every run",
@@ -89,7 +90,8 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .known = "box,rmin,rmax,histogram",
      .make = make_reproducible_levels,
      .bytes = bytes_of_reproducible_levels,
-     .updates = true},
+     .updates = true,
+     .own_threads = true},
 };
 
 std::span<const DetectorInfo> gpu_detectors() { return kGpuDetectors; }

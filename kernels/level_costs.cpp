@@ -108,9 +108,10 @@ double search_us(const std::vector<ExpectedSearch>& searches, const std::vector<
 // Threads a ball that are tried: no more than there are rows. Fewer than 16 were never faster where a level of equal balls is
 // asked from a coarser one, and more than make 2^16 threads not where such a level asks itself; the fit does not see either.
 std::pair<int, int> lane_bits_allowed(const ExpectedSearch& s) {
-  int most = s.asking == s.asked ? 3 : 5;
-  while (most > 0 && (1 << (most - 1)) >= s.mean.rows) --most;
-  if (s.asking != s.asked) return {std::min(s.several ? 2 : 4, most), most};
+  const bool own = s.asking == s.asked;
+  int most = own ? 3 : 5;
+  while (most > 0 && (1 << (most - 1)) >= (own ? s.mean.rows : s.largest.rows)) --most;
+  if (!own) return {std::min(s.several ? 2 : 4, most), most};
   while (!s.several && most > 0 && std::ldexp(s.balls, most - 1) >= 1 << 16) --most;
   return {0, most};
 }

@@ -341,7 +341,7 @@ class Levels : public Detector {
  public:
   Levels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
       : n_(facts.n),
-        threads_narrow_(threads_or("levels", params.threads_narrow, 128)),
+        threads_narrow_(threads_or("levels", params.threads_narrow, level_threads(facts.n).narrow)),
         updates_(options.updates),
         index_(facts, params, options, stream) {
     if (n_ == 0) return;

@@ -63,8 +63,8 @@ class Detector {
   // Balls may have moved since construction: results stay exact anywhere (radii must not exceed the known rmax).
   virtual void detect(BallsView in, ContactsView out, Stream& stream) = 0;
 
-  // The same for the balls of the last detect() or update(), in the same order and with the same radii, that have moved: as exact,
-  // and quicker where the detector was built with `updates`, knows how, and they moved little. Others just detect().
+  // The same for the balls of the last detect() or update(), in the same order and with the same radii, that have moved: as
+  // exact, and quicker where the detector was built with `updates`, knows how, and they moved little. Others just detect().
   virtual void update(BallsView in, ContactsView out, Stream& stream) { detect(in, out, stream); }
 
   // State after the last detect() on `out`. Synchronises the stream.
@@ -100,7 +100,8 @@ struct DetectorInfo {
   // workspace_bytes() of what `make` would build with these parameters for n balls packed as those of `like` (n = like.n:
   // exactly; else its volume and cells grow with n), without allocating. Null where it cannot be said beforehand.
   std::int64_t (*bytes)(std::int64_t n, const PackingFacts& like, const DetectorParams& params) = nullptr;
-  bool updates = false;  // update() may do less than detect()
+  bool updates = false;      // update() may do less than detect()
+  bool own_threads = false;  // threads left open are chosen from the packing: a tuner leaves them
 
   std::string label() const {  // "multi_cell_bucket/paper", "multi_cell_bucket/paper/judge_off"
     std::string text(name);
