@@ -16,6 +16,17 @@ namespace {
 constexpr std::int32_t kManyBalls = 1 << 17;
 constexpr int kFinerBitsOfMany = 3;
 
+// Below so many all searches together leave multiprocessors idle: each has as many threads as are of use.
+constexpr std::int32_t kFewBalls = 1 << 13;
+
+std::vector<int> planned_lane_bits(std::int32_t n, const std::vector<ExpectedSearch>& searches) {
+  if (n >= kFewBalls && n < kManyBalls) return fastest_lane_bits(searches);
+  std::vector<int> lane_bits;
+  for (const ExpectedSearch& s : searches)
+    lane_bits.push_back(n < kFewBalls ? lane_bits_allowed(s).second : s.asking != s.asked ? kFinerBitsOfMany : 0);
+  return lane_bits;
+}
+
 int lane_bits_of(const char* what, int lanes, int planned_bits) {
   if (lanes == 0) return planned_bits;
   if (lanes < 1 || lanes > 32 || !std::has_single_bit(static_cast<unsigned>(lanes)))
@@ -27,13 +38,13 @@ int lane_bits_of(const char* what, int lanes, int planned_bits) {
 
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice) {
   const std::vector<ExpectedSearch> searches = expected_searches(facts, grids);
-  const std::vector<int> fastest = facts.n < kManyBalls ? fastest_lane_bits(searches) : std::vector<int>(searches.size());
+  const std::vector<int> planned = planned_lane_bits(facts.n, searches);
   LevelQueries queries;
   std::int64_t first_block = 0;
   for (const ExpectedSearch& s : searches) {
-    int bits = fastest[queries.count];
+    int bits = planned[queries.count];
     if (s.asking != s.asked)
-      bits = lane_bits_of("lanes_finer", choice.lanes_finer, facts.n < kManyBalls ? bits : kFinerBitsOfMany);
+      bits = lane_bits_of("lanes_finer", choice.lanes_finer, bits);
     else if (s.asking > 0)
       bits = lane_bits_of("lanes_own", choice.lanes_own, bits);
     else
