@@ -31,7 +31,6 @@ constexpr int kSamples = 15;           // of a candidate
 constexpr int kFinalSamples = 45;      // of each finalist, in turns
 constexpr std::size_t kFinalists = 4;  // beside the plan and the recipe
 constexpr double kWarmUpMs = 3;
-constexpr int kThreadsBroad = 256, kThreadsNarrow = 128;  // the detector's own
 
 struct Options {
   std::string packings = ".*", out;
@@ -61,7 +60,7 @@ Packing packing_of(const PackingSpec& spec) {
 
 // The plan in words of a choice.
 LevelChoice plan_of(const PackingFacts& facts) {
-  const LevelGrids grids = plan_level_grids(facts, kThreadsBroad / 32);
+  const LevelGrids grids = plan_level_grids(facts, level_threads(facts.n).broad / 32);
   LevelChoice plan;
   plan.bounds.emplace();
   for (int l = 0; l + 1 < grids.levels; ++l) plan.bounds->push_back(grids.level[l].radius);
@@ -173,8 +172,7 @@ class Bed {
  private:
   void make(const LevelChoice& choice) {
     d_.detector.reset();
-    d_.detector = make_levels_as(context_.facts, {.threads_broad = kThreadsBroad, .threads_narrow = kThreadsNarrow},
-                                 {.choice = choice}, stream_);
+    d_.detector = make_levels_as(context_.facts, {}, {.choice = choice}, stream_);
     complete_detection(d_, levels_row(), context_.facts, {}, OutputForm::pairs, stream_,
                        std::max<std::int64_t>(context_.reference().contacts, 64));
   }
@@ -278,7 +276,7 @@ Json head(const std::vector<std::string>& argv, const Options& o, const std::vec
           {"state", {{"start", state_json()}}},
           {"how",
            {{"timed_region", "positions and radii resident -> pair list complete; graph, hot"},
-            {"threads", {kThreadsBroad, kThreadsNarrow}},
+            {"threads", {level_threads(o.n).broad, level_threads(o.n).narrow}},
             {"samples", kSamples},
             {"pruned_if", fmt::format("none of the first {} samples is below {} times the best so far", kFirstSamples, kGiveUp)},
             {"final", fmt::format("the plan, the recipe and the best {} of the search, {} samples each in turns", kFinalists,

@@ -16,7 +16,7 @@ constexpr double kLeastSaving = 0.01;
 
 // About the numbers of balls that SearchTime was fitted to, the longest of the searches decides as much as their sum: there
 // levels are moved as long as the expected time falls by this share.
-constexpr std::int32_t kLeastBallsMoved = 1 << 11, kMostBallsMoved = 1 << 17;
+constexpr std::int32_t kLeastBallsMoved = 1 << 11;
 constexpr double kLeastSavingMoved = 0.02;
 constexpr int kPlacesForBounds = 12;
 constexpr float kMergedBin = 1.04f;  // radii in the ratio of at most this count as one while levels are planned
@@ -56,7 +56,7 @@ std::vector<std::vector<float>> neighbours_of(const std::vector<float>& bounds, 
 // The classes, or others by which a search is expected to be faster.
 std::vector<RadiusClass> moved(const PackingFacts& facts, std::vector<RadiusClass> classes,
                                const std::function<LevelGrids(const std::vector<RadiusClass>&)>& to_grids) {
-  if (facts.n < kLeastBallsMoved || facts.n >= kMostBallsMoved || facts.rmin == facts.rmax) return classes;
+  if (facts.n < kLeastBallsMoved || facts.n >= SearchTime::kMostBalls || facts.rmin == facts.rmax) return classes;
   std::vector<float> bounds;
   for (const RadiusClass& c : classes)
     if (&c != &classes.back()) bounds.push_back(static_cast<float>(c.radius));

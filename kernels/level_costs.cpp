@@ -35,24 +35,6 @@ double instructions(const ExpectedQuery& q, bool own, bool several) {
   return (own ? c.own : c.finer) + q.rows * c.row + q.tests * (several ? c.test_of_several : c.test);
 }
 
-LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
-  const std::vector<double> balls = balls_of_levels(facts, grids);
-  LevelWork work;
-  for (const auto& [radius, count] : facts.radii) {
-    const int own = grids.level_of(radius);
-    const double share = static_cast<double>(count) / facts.n;
-    for (int asked = 0; asked <= own; ++asked) {
-      const LevelGrid& g = grids.level[asked];
-      const ExpectedQuery q = expected_query(facts, radius, g.radius, balls[asked], 1.0 / g.inv_x, 1.0 / g.inv_yz, asked == own);
-      work.queries += share;
-      work.rows += share * q.rows;
-      work.tests += share * q.tests;
-      work.instructions += share * instructions(q, asked == own, !g.one_radius);
-    }
-  }
-  return work;
-}
-
 std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const LevelGrids& grids) {
   const std::vector<double> balls = balls_of_levels(facts, grids);
   std::vector<ExpectedSearch> searches;
@@ -69,6 +51,18 @@ std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const L
     }
   }
   return searches;
+}
+
+LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
+  LevelWork work;
+  for (const ExpectedSearch& s : expected_searches(facts, grids)) {
+    const double share = s.balls / facts.n;
+    work.queries += share;
+    work.rows += share * s.mean.rows;
+    work.tests += share * s.mean.tests;
+    work.instructions += share * instructions(s.mean, s.asking == s.asked, s.several);
+  }
+  return work;
 }
 
 namespace {

@@ -60,6 +60,8 @@ std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const L
 // 12,836 detections of 3,000 to 110,000 balls with levels, cells and threads drawn by lot (docs/level_choice.md; root mean square
 // error 8 %).
 struct SearchTime {
+  static constexpr std::int32_t kMostBalls = 1
+                                             << 17;  // from so many on all searches together decide, and no thread is waited for
   struct Ns {
     double query, row, test;
   };

@@ -32,12 +32,15 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
   return static_cast<std::int32_t>(std::min(std::floor(length / edge), 2e9)) + 1;
 }
 
+// As construction knows the balls, which are alike in the level of the smallest alone.
+bool of_one_radius(const PackingFacts& facts, const RadiusClass& level) { return static_cast<float>(level.radius) == facts.rmin; }
+
 // Cells of x and yz radii, or larger ones.
 LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, double yz, double cells_a_ball) {
   const Box box = box_of(facts);
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
-  level.one_radius = level.radius == facts.rmin;
+  level.one_radius = of_one_radius(facts, c);
   for (x *= c.radius, yz *= c.radius;; x *= 1.1, yz *= 1.1) {
     level.inv_x = static_cast<float>(1 / x), level.inv_yz = static_cast<float>(1 / yz);
     level.nx = cells_along(box, 0, x), level.ny = cells_along(box, 1, yz), level.nz = cells_along(box, 2, yz);
@@ -61,7 +64,7 @@ void require_cell(const char* what, double cell) {
 // Along x, in radii of the level.
 double cell_x(const PackingFacts& facts, const RadiusClass& level, const LevelChoice& choice) {
   if (choice.cell_x != 0) return choice.cell_x;
-  return level.radius > facts.rmin ? kCellXOfSeveral : kCellX;
+  return of_one_radius(facts, level) ? kCellX : kCellXOfSeveral;
 }
 
 // The grids of these classes. What the choice leaves open was filled in, but for cell_x.
@@ -96,10 +99,9 @@ LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, con
     const double x = cell_x(facts, level, chosen);
     const double grown = level.radius * growth_of_cells(facts, level, x, chosen.cell_yz, chosen.cells_a_ball);
     const bool own = share < 1;
-    const bool several = level.radius > facts.rmin;
     const ExpectedQuery expected =
         expected_query(facts, radius, level.radius, level.balls, grown * x, grown * chosen.cell_yz, own);
-    return instructions(expected, own, several);
+    return instructions(expected, own, !of_one_radius(facts, level));
   };
   const auto to_grids = [&](const std::vector<RadiusClass>& classes) { return grids_of(facts, rows_a_block, classes, chosen); };
   if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));

@@ -71,6 +71,12 @@ struct LevelChoice {
 // for a choice that is none: which, and what would do.
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
 
+// Threads a block, where none are asked for: small blocks where balls are few, so that all multiprocessors have some.
+struct LevelThreads {
+  int broad, narrow;
+};
+LevelThreads level_threads(std::int64_t n);
+
 // The searches for balls as many as the facts say, in blocks of `threads`: with as many threads a ball as the cost model finds
 // fastest. Deterministic. Throws InputError as above.
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice = {});

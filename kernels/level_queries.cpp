@@ -11,16 +11,14 @@
 namespace touchstone {
 namespace {
 
-// From so many balls on all multiprocessors have enough to do: a ball asks its own level alone, and 8 threads share one that asks
-// a finer level.
-constexpr std::int32_t kManyBalls = 1 << 17;
+// Where balls are many a ball asks its own level alone, and 8 threads share one that asks a finer level.
 constexpr int kFinerBitsOfMany = 3;
 
 // Below so many all searches together leave multiprocessors idle: each has as many threads as are of use.
 constexpr std::int32_t kFewBalls = 1 << 13;
 
 std::vector<int> planned_lane_bits(std::int32_t n, const std::vector<ExpectedSearch>& searches) {
-  if (n >= kFewBalls && n < kManyBalls) return fastest_lane_bits(searches);
+  if (n >= kFewBalls && n < SearchTime::kMostBalls) return fastest_lane_bits(searches);
   std::vector<int> lane_bits;
   for (const ExpectedSearch& s : searches)
     lane_bits.push_back(n < kFewBalls ? lane_bits_allowed(s).second : s.asking != s.asked ? kFinerBitsOfMany : 0);
@@ -35,6 +33,11 @@ int lane_bits_of(const char* what, int lanes, int planned_bits) {
 }
 
 }  // namespace
+
+LevelThreads level_threads(std::int64_t n) {
+  constexpr std::int64_t kFew = 1 << 15;  // measured: docs/levels.md
+  return n < kFew ? LevelThreads{128, 32} : LevelThreads{256, 128};
+}
 
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice) {
   const std::vector<ExpectedSearch> searches = expected_searches(facts, grids);

@@ -247,11 +247,6 @@ Room room_of(const ContactsView& out) {
 
 }  // namespace
 
-LevelThreads level_threads(std::int64_t n) {
-  constexpr std::int64_t kFew = 1 << 15;  // measured: docs/levels.md
-  return n < kFew ? LevelThreads{128, 32} : LevelThreads{256, 128};
-}
-
 SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
     : n_(facts.n), threads_(threads_or("levels", params.threads_broad, level_threads(facts.n).broad)), options_(options) {
   if (n_ == 0) return;

@@ -54,12 +54,6 @@ struct LevelOptions {
   LevelChoice choice = {};
 };
 
-// Threads a block, where none are asked for: small blocks where balls are few, so that all multiprocessors have some.
-struct LevelThreads {
-  int broad, narrow;
-};
-LevelThreads level_threads(std::int64_t n);
-
 class SortedLevels {
  public:
   // Throws InputError for threads_broad no launch takes, and where the device has no room.
