@@ -172,7 +172,7 @@ class Bed {
  private:
   void make(const LevelChoice& choice) {
     d_.detector.reset();
-    d_.detector = make_levels_as(context_.facts, {}, {.choice = choice}, stream_);
+    d_.detector = make_levels_as(context_.facts, {}, {.few_up_to = 0, .choice = choice}, stream_);
     complete_detection(d_, levels_row(), context_.facts, {}, OutputForm::pairs, stream_,
                        std::max<std::int64_t>(context_.reference().contacts, 64));
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/cuda_dialect.h"
+#include "kernels/warp_sum.h"
 #include "touchstone/contact_list.h"
 
 namespace touchstone {
@@ -71,5 +72,30 @@ struct ContactStage {
     for (std::int32_t k = threadIdx.x; k < staged; k += blockDim.x) write_pair(out, *first + k, pair[k]);
   }
 };
+
+// Places in the list of pairs: of a warp side by side.
+struct Taken {
+  std::int64_t first;           // of the warp
+  std::int32_t before, in_all;  // the warp's threads before this one took so many, all of them so many
+};
+
+// All threads of the block together, each for so many pairs.
+__device__ inline Taken take_places(std::int64_t* count, std::int32_t hits) {
+  __shared__ std::int32_t in_warp[kWarpSize];
+  __shared__ std::int64_t block_first;
+  const int warp = static_cast<int>(threadIdx.x) / kWarpSize, warps = static_cast<int>(blockDim.x) / kWarpSize;
+  const std::int32_t up_to = sum_up_to_lane(hits);
+  if (threadIdx.x % kWarpSize == kWarpSize - 1) in_warp[warp] = up_to;
+  __syncthreads();
+  std::int32_t before = 0, all = 0;
+#pragma unroll 1
+  for (int w = 0; w < warps; ++w) {
+    if (w == warp) before = all;
+    all += in_warp[w];
+  }
+  if (threadIdx.x == 0 && all > 0) block_first = atomic_add(count, all);
+  __syncthreads();
+  return {block_first + before, up_to - hits, __shfl_sync(kFullWarp, up_to, kWarpSize - 1)};
+}
 
 }  // namespace touchstone

@@ -53,29 +53,6 @@ std::vector<std::vector<float>> neighbours_of(const std::vector<float>& bounds, 
   return all;
 }
 
-// The classes, or others by which a search is expected to be faster.
-std::vector<RadiusClass> moved(const PackingFacts& facts, std::vector<RadiusClass> classes,
-                               const std::function<LevelGrids(const std::vector<RadiusClass>&)>& to_grids) {
-  if (facts.n < kLeastBallsMoved || facts.n >= SearchTime::kMostBalls || facts.rmin == facts.rmax) return classes;
-  std::vector<float> bounds;
-  for (const RadiusClass& c : classes)
-    if (&c != &classes.back()) bounds.push_back(static_cast<float>(c.radius));
-  const std::vector<float> places = places_for_bounds(facts);
-  double least = expected_us(facts, to_grids(classes));
-  for (bool better = true; better;) {
-    better = false;
-    const double before = least;
-    for (const std::vector<float>& other : neighbours_of(bounds, places)) {
-      const std::vector<RadiusClass> tried = classes_between(facts, other);
-      const double us = expected_us(facts, to_grids(tried));
-      if (us >= std::min(least, (1 - kLeastSavingMoved) * before)) continue;
-      least = us, better = true;
-      classes = tried, bounds = other;
-    }
-  }
-  return classes;
-}
-
 }  // namespace
 
 std::vector<RadiusClass> classes_between(const PackingFacts& facts, const std::vector<float>& bounds) {
@@ -99,6 +76,28 @@ std::vector<RadiusClass> classes_between(const PackingFacts& facts, const std::v
   return classes;
 }
 
+std::vector<RadiusClass> faster_classes(const PackingFacts& facts, std::vector<RadiusClass> classes,
+                                        const std::function<double(const std::vector<RadiusClass>&)>& expected_us) {
+  if (facts.rmin == facts.rmax) return classes;
+  std::vector<float> bounds;
+  for (const RadiusClass& c : classes)
+    if (&c != &classes.back()) bounds.push_back(static_cast<float>(c.radius));
+  const std::vector<float> places = places_for_bounds(facts);
+  double least = expected_us(classes);
+  for (bool better = true; better;) {
+    better = false;
+    const double before = least;
+    for (const std::vector<float>& other : neighbours_of(bounds, places)) {
+      const std::vector<RadiusClass> tried = classes_between(facts, other);
+      const double us = expected_us(tried);
+      if (us >= std::min(least, (1 - kLeastSavingMoved) * before)) continue;
+      least = us, better = true;
+      classes = tried, bounds = other;
+    }
+  }
+  return classes;
+}
+
 PackingFacts with_fewer_bins(PackingFacts facts) {
   std::vector<std::pair<float, std::int32_t>> merged;
   float from = 0;  // the smallest radius of the last
@@ -114,7 +113,10 @@ PackingFacts with_fewer_bins(PackingFacts facts) {
 
 std::vector<RadiusClass> choose_classes(const PackingFacts& facts, const QueryCost& cost,
                                         const std::function<LevelGrids(const std::vector<RadiusClass>&)>& to_grids) {
-  return moved(facts, split_radii(facts, LevelGrids::kMost, cost, kLeastSaving), to_grids);
+  std::vector<RadiusClass> classes = split_radii(facts, LevelGrids::kMost, cost, kLeastSaving);
+  if (facts.n < kLeastBallsMoved || facts.n >= SearchTime::kMostBalls) return classes;
+  return faster_classes(facts, std::move(classes),
+                        [&](const std::vector<RadiusClass>& tried) { return expected_us(facts, to_grids(tried)); });
 }
 
 }  // namespace touchstone

@@ -135,4 +135,22 @@ double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
          SearchTime::kRowOfCellsUs * grids.rows + search_us(searches, fastest_lane_bits(searches));
 }
 
+double expected_bucket_us(const PackingFacts& facts, const LevelGrids& grids) {
+  const std::vector<double> balls = balls_of_levels(facts, grids);
+  double levels = 0, tests = 0, most_levels = 0, most_tests = 0;
+  for (const auto& [radius, count] : facts.radii) {
+    const int own = grids.level_of(radius);
+    double tests_of_one = 0;
+    for (int l = own; l < grids.levels; ++l) {
+      const LevelGrid& g = grids.level[l];
+      tests_of_one += expected_query(facts, radius, g.radius, balls[l], 1.0 / g.inv_x, 1.0 / g.inv_yz, l == own).tests;
+    }
+    const double levels_of_one = grids.levels - own;
+    levels += count * levels_of_one, tests += count * tests_of_one;
+    most_levels = std::max(most_levels, levels_of_one), most_tests = std::max(most_tests, tests_of_one);
+  }
+  return BucketTime::kStartUs + BucketTime::kLevelUs * levels + BucketTime::kTestUs * tests +
+         BucketTime::kMostLevelsUs * most_levels + BucketTime::kMostTestsUs * most_tests;
+}
+
 }  // namespace touchstone

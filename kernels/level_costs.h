@@ -90,4 +90,12 @@ std::vector<int> fastest_lane_bits(const std::vector<ExpectedSearch>& searches);
 // Of a whole detection with those.
 double expected_us(const PackingFacts& facts, const LevelGrids& grids);
 
+// The time of a detection of few balls, each of which asks its own level and every coarser one (bucketed_levels.cu): what all
+// balls' levels and tests take, and the levels and tests of the one that has most. Fitted to 406 detections of 1,000 to 12,000
+// balls on an H100 (root mean square error 8 %; docs/level_choice.md, "Few balls").
+struct BucketTime {
+  static constexpr double kStartUs = 7.84, kLevelUs = 2.22e-4, kTestUs = 6.3e-6, kMostLevelsUs = 0.55, kMostTestsUs = 0.0226;
+};
+double expected_bucket_us(const PackingFacts& facts, const LevelGrids& grids);
+
 }  // namespace touchstone

@@ -16,6 +16,7 @@ namespace {
 
 // Cells of a level, in its largest radii: along x, in a level of one radius and of several, and along y and z (docs/levels.md).
 constexpr double kCellX = 1, kCellXOfSeveral = 0.7, kCellYZ = 2;
+constexpr double kBucket = 1.4;  // along each axis, where cells are buckets
 
 // What a choice by hand may be: cells in radii; cells a ball.
 constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMostCellsABall = 1000;
@@ -83,17 +84,22 @@ LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vect
   return grids;
 }
 
-}  // namespace
-
-LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, const LevelChoice& choice) {
+// The choice with what it leaves open, but for cell_x. Throws InputError for what is none.
+LevelChoice completed(LevelChoice choice) {
   require_cell("cell_x", choice.cell_x);
   require_cell("cell_yz", choice.cell_yz);
   if (choice.cells_a_ball != 0 && !(choice.cells_a_ball >= kLeastCellsABall && choice.cells_a_ball <= kMostCellsABall))
     throw InputError(fmt::format("levels: {:g} cells a ball; use {} to {}, or 0 for the plan's", choice.cells_a_ball,
                                  kLeastCellsABall, kMostCellsABall));
-  LevelChoice chosen = choice;
-  if (chosen.cells_a_ball == 0) chosen.cells_a_ball = kCellsABall;
-  if (chosen.cell_yz == 0) chosen.cell_yz = kCellYZ;
+  if (choice.cells_a_ball == 0) choice.cells_a_ball = kCellsABall;
+  if (choice.cell_yz == 0) choice.cell_yz = kCellYZ;
+  return choice;
+}
+
+}  // namespace
+
+LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, const LevelChoice& choice) {
+  const LevelChoice chosen = completed(choice);
   const PackingFacts facts = choice.bounds ? all_facts : with_fewer_bins(all_facts);
   const auto query = [&](double radius, const RadiusClass& level, double share) {
     const double x = cell_x(facts, level, chosen);
@@ -106,6 +112,18 @@ LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, con
   const auto to_grids = [&](const std::vector<RadiusClass>& classes) { return grids_of(facts, rows_a_block, classes, chosen); };
   if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
   return to_grids(choose_classes(facts, query, to_grids));
+}
+
+LevelGrids plan_bucket_grids(const PackingFacts& all_facts, const LevelChoice& choice) {
+  LevelChoice chosen = completed(choice);
+  if (choice.cell_x == 0) chosen.cell_x = kBucket;
+  if (choice.cell_yz == 0) chosen.cell_yz = kBucket;
+  const PackingFacts facts = choice.bounds ? all_facts : with_fewer_bins(all_facts);
+  const auto to_grids = [&](const std::vector<RadiusClass>& classes) { return grids_of(facts, 1, classes, chosen); };
+  if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
+  return to_grids(faster_classes(facts, classes_between(facts, {}), [&](const std::vector<RadiusClass>& classes) {
+    return expected_bucket_us(facts, to_grids(classes));
+  }));
 }
 
 }  // namespace touchstone

@@ -63,13 +63,19 @@ struct LevelChoice {
   std::optional<std::vector<float>> bounds = {};
   double cell_x = 0, cell_yz = 0;  // edges of every level's cells, in that level's radius; larger where cells would be too many
   double cells_a_ball = 0;         // a level has at most so many cells for each of its balls, and a few more
-  // Threads a ball, 1, 2, 4 … 32: where the finest level asks itself, another level itself, a level a finer one.
+  // Threads a ball, 1, 2, 4 … 32: where the finest level asks itself, another level itself, a level another. Where cells are
+  // buckets the first is for all.
   int lanes_finest = 0, lanes_own = 0, lanes_finer = 0;
 };
 
 // Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic. Throws InputError
 // for a choice that is none: which, and what would do.
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
+
+// The same where cells are buckets (bucketed_levels.cu), by that search's time; and its threads a ball, 2 to that power: as many
+// as all run at once on an H100.
+LevelGrids plan_bucket_grids(const PackingFacts& facts, const LevelChoice& choice = {});
+int plan_bucket_lane_bits(std::int64_t n, const LevelChoice& choice = {});
 
 // Threads a block, where none are asked for: small blocks where balls are few, so that all multiprocessors have some.
 struct LevelThreads {

@@ -60,4 +60,8 @@ LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& gri
   return queries;
 }
 
+int plan_bucket_lane_bits(std::int64_t n, const LevelChoice& choice) {
+  return lane_bits_of("lanes_finest", choice.lanes_finest, n <= kFewBalls ? 4 : 3);
+}
+
 }  // namespace touchstone

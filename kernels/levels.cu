@@ -1,4 +1,5 @@
-// levels: any radii, one grid a class of radii ("level"), each ball filed once by its centre, in four kernels.
+// levels: any radii, one grid a class of radii ("level"), each ball filed once by its centre, in four kernels; where balls are
+// few in two others (bucketed_levels.h).
 //
 // Balls are counting-sorted into the cells of their levels (sorted_levels.h): count, give each row of cells its place, move. A
 // ball asks its own level for later balls, and every finer level for all balls within reach: each pair is met once, by its
@@ -14,14 +15,16 @@
 // they all have the level's radius, is found anew each time.
 #include <optional>
 
+#include "kernels/bucketed_levels.h"
 #include "kernels/contact_writer.h"
 #include "kernels/detection.h"
 #include "kernels/levels.h"
 #include "kernels/planning.h"
+#include "kernels/rows_in_reach.h"
 #include "kernels/sorted_levels.h"
 #include "kernels/sorted_rows.h"
+#include "kernels/thread_list.h"
 #include "kernels/variants.h"
-#include "kernels/warp_sum.h"
 #include "touchstone/contact.h"
 
 namespace touchstone {
@@ -34,18 +37,6 @@ constexpr int kTogether = 3;  // of them whose places are fetched at once
 // The balls of one row of cells within reach.
 struct alignas(8) Places {
   std::int32_t first, end;
-};
-
-// A thread's list in shared memory. A place in it is where it lies, in bytes from the start of what the launch gave the block:
-// one register. A warp's threads have theirs side by side, so that the step is known when this is compiled and banks never clash.
-template <class T, int kRoom>
-struct List {
-  static constexpr int kStep = kWarpSize * static_cast<int>(sizeof(T)), kBytes = kRoom * kStep;  // a warp's
-  int first;
-
-  __device__ T& operator[](int at) const { return *reinterpret_cast<T*>(dynamic_shared<char>() + at); }
-  __device__ int room_for(int more) const { return first + (kRoom - more) * kStep; }  // the last place with room for so many
-  __device__ int size(int end) const { return (end - first) / kStep; }
 };
 
 // The number of a ball that asked, and what it found.
@@ -88,40 +79,6 @@ struct Asked {
   float drift;
 };
 
-// Rows of cells within a ball's reach that its thread has still to look up.
-struct Rows {
-  std::int32_t entry, span;          // of the next row: its first cell in reach, and how many entries on its balls end
-  std::int32_t left, left_in_layer;  // rows with this one; rows after it at its z
-  std::int32_t width, jump;          // rows in reach at one z; entries to skip from one z to the next
-  // From one row of a thread to its next: entries, without the jump from z to z where left_in_layer, less by this, falls below 0.
-  std::int32_t step, step_in_layer;
-};
-
-__device__ inline Rows rows_in_reach(const LevelGrids& grids, const Asking& a, const Asked& asked, float reach) {
-  const LevelGrid& g = asked.grid;
-  const Ball& me = a.ball;
-  const std::int32_t x_lo = cell_coordinate(sub(me.x, reach), grids.x0, g.inv_x, g.nx);
-  const std::int32_t x_hi = cell_coordinate(add(me.x, reach), grids.x0, g.inv_x, g.nx);
-  const std::int32_t y_lo = cell_coordinate(sub(me.y, reach), grids.y0, g.inv_yz, g.ny);
-  const std::int32_t y_hi = cell_coordinate(add(me.y, reach), grids.y0, g.inv_yz, g.ny);
-  const std::int32_t z_hi = cell_coordinate(add(me.z, reach), grids.z0, g.inv_yz, g.nz);
-  // Of its own level a ball asks the rest of its own row, and the rows after it.
-  const std::int32_t y = asked.own ? a.y : y_lo;
-  const std::int32_t z = asked.own ? a.z : cell_coordinate(sub(me.z, reach), grids.z0, g.inv_yz, g.nz);
-  const std::int32_t width = y_hi - y_lo + 1, stride = g.nx + 1, jump = (g.ny - width) * stride;
-  Rows rows{g.first_entry + (z * g.ny + y + a.lane) * stride + x_lo,
-            x_hi - x_lo + 1,
-            (z_hi - z) * width + y_hi - y + 1 - a.lane,
-            y_hi - y - a.lane,
-            width,
-            jump,
-            a.lanes * stride,
-            a.lanes};
-  for (; rows.left_in_layer < 0; rows.left_in_layer += width) rows.entry += jump;
-  for (; rows.step_in_layer >= width; rows.step_in_layer -= width) rows.step += jump;
-  return rows;
-}
-
 // The ball asks the level. test(touches, found) for each ball tested: whether it is a contact, with the other's number where that
 // level was planned for one radius, else with its place. before_two() before each two of them.
 template <class Test, class BeforeTwo>
@@ -140,7 +97,7 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
     const float radius = numbered ? in[o.number_or_radius].r : __int_as_float(o.number_or_radius);
     return in_contact(me, Ball{o.x, o.y, o.z, radius});
   };
-  Rows rows = rows_in_reach(grids, a, asked, pad(add(sum, asked.drift)));
+  Rows rows = rows_in_reach(grids, asked.grid, me, pad(add(sum, asked.drift)), asked.own, a.y, a.z, a.lane, a.lanes);
   bool own_row = asked.own && a.lane == 0;
   while (rows.left > 0) {
     int end = lists.range.first;
@@ -152,8 +109,7 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
       for (Places& p : places) {
         p = {0, 0};
         if (rows.left > 0) p = {index.start[rows.entry], index.start[rows.entry + rows.span]};
-        rows.entry += rows.step, rows.left -= a.lanes, rows.left_in_layer -= rows.step_in_layer;
-        if (rows.left_in_layer < 0) rows.entry += rows.jump, rows.left_in_layer += rows.width;
+        rows.next();
       }
 #pragma unroll
       for (const Places& p : places) {
@@ -197,31 +153,6 @@ __device__ inline void ask(const Ball* in, const LevelGrids& grids, const Sorted
       }
     }
   }
-}
-
-// Places in the list of pairs: of a warp side by side.
-struct Taken {
-  std::int64_t first;           // of the warp
-  std::int32_t before, in_all;  // the warp's threads before this one took so many, all of them so many
-};
-
-// All threads of the block together, each for so many pairs.
-__device__ inline Taken take_places(std::int64_t* count, std::int32_t hits) {
-  __shared__ std::int32_t in_warp[kWarpSize];
-  __shared__ std::int64_t block_first;
-  const int warp = static_cast<int>(threadIdx.x) / kWarpSize, warps = static_cast<int>(blockDim.x) / kWarpSize;
-  const std::int32_t up_to = sum_up_to_lane(hits);
-  if (threadIdx.x % kWarpSize == kWarpSize - 1) in_warp[warp] = up_to;
-  __syncthreads();
-  std::int32_t before = 0, all = 0;
-#pragma unroll 1
-  for (int w = 0; w < warps; ++w) {
-    if (w == warp) before = all;
-    all += in_warp[w];
-  }
-  if (threadIdx.x == 0 && all > 0) block_first = atomic_add(count, all);
-  __syncthreads();
-  return {block_first + before, up_to - hits, __shfl_sync(kFullWarp, up_to, kWarpSize - 1)};
 }
 
 // The ball at `place`, filed in level `g`, and what it asks with.
@@ -406,15 +337,22 @@ class Levels : public Detector {
   std::optional<SortedRows> rows_;
 };
 
+bool are_few(std::int64_t n, const LevelOptions& options) {
+  return n <= options.few_up_to && n < options.large_from && !options.updates && !options.reproducible;
+}
+
 }  // namespace
 
 std::unique_ptr<Detector> make_levels_as(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options,
                                          Stream& stream) {
+  if (are_few(facts.n, options)) return make_bucketed_levels(facts, params, options, stream);
   return std::make_unique<Levels>(facts, params, options, stream);
 }
 
 std::int64_t levels_bytes(std::int64_t n, const PackingFacts& like, const DetectorParams& params) {
-  return SortedLevels::bytes_for(n, like, {.updates = params.updates});
+  const LevelOptions options{.updates = params.updates};
+  if (are_few(n, options)) return scaled_bytes(bucketed_levels_bytes(like, options), n, like.n);
+  return SortedLevels::bytes_for(n, like, options);
 }
 
 std::unique_ptr<Detector> make_levels(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {

@@ -1,5 +1,6 @@
 # The kernels, listed once: nvcc compiles them for the GPU (kernels/), the C++ compiler for the double (kernels/emulated/).
 set(TOUCHSTONE_KERNEL_SOURCES
+  bucketed_levels.cu
   built_for.cu
   device_facts.cu
   fixed_bucket.cu

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels/detection.h"
+#include "kernels/levels.h"
 #include "reference_cpu/all_pairs.h"
 #include "tests/block_order.h"
 #include "tests/small_packings.h"
@@ -38,9 +39,25 @@ struct Row {
 };
 std::ostream& operator<<(std::ostream& out, const Row& row) { return out << row.name(); }
 
+// `levels` as it is where balls are more than any of these packings has.
+const DetectorInfo& sorted_levels() {
+  static const DetectorInfo row = [] {
+    const auto all = gpu_detectors();
+    DetectorInfo levels = *std::find_if(all.begin(), all.end(), [](const DetectorInfo& d) { return d.label() == "levels"; });
+    levels.layout = "sorted";
+    levels.make = [](const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
+      return make_levels_as(facts, params, {.updates = params.updates, .few_up_to = 0}, stream);
+    };
+    levels.bytes = nullptr;
+    return levels;
+  }();
+  return row;
+}
+
 std::vector<Row> rows() {
   std::vector<Row> all;
   for (const DetectorInfo& info : gpu_detectors()) all.push_back({&info});
+  all.push_back({&sorted_levels()});
   // On a GPU's machine the CPU detectors are what detectors_test has tested there already.
   if (kDeviceIsDouble && !kThreadSanitizer)
     for (const DetectorInfo& info : cpu_detectors()) all.push_back({&info});

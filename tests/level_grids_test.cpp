@@ -397,13 +397,13 @@ const DetectorInfo& levels_row() {
   return *std::find_if(all.begin(), all.end(), [](const DetectorInfo& d) { return d.name == "levels"; });
 }
 
-ContactList contacts_of(const std::vector<Ball>& balls, const LevelChoice& choice, OutputForm form) {
+ContactList contacts_of(const std::vector<Ball>& balls, const LevelOptions& options, OutputForm form) {
   const PackingFacts facts = facts_of(balls);
   Stream stream(Place::device);
   Detection d;
   d.balls = Buffer<Ball>(balls.size(), Place::device, stream);
   copy_async(d.balls, std::span<const Ball>(balls), stream);
-  d.detector = make_levels_as(facts, {.threads_broad = 32, .threads_narrow = 64}, {.choice = choice}, stream);
+  d.detector = make_levels_as(facts, {.threads_broad = 32, .threads_narrow = 64}, options, stream);
   complete_detection(d, levels_row(), facts, {}, form, stream, 1000);
   return d.output->download(stream);
 }
@@ -417,8 +417,10 @@ TEST(LevelChoice, AnySensibleOneIsExact) {
     const ContactList expected = all_pairs(*balls);
     ASSERT_GT(expected.count(), 30) << name;
     const auto expect_exact = [&, name = name, balls = balls](const LevelChoice& choice, const std::string& what) {
-      const ContactDifference difference = compare(contacts_of(*balls, choice, OutputForm::pairs), expected);
-      EXPECT_TRUE(difference.equal()) << name << ", " << what << ": " << difference.text();
+      for (const std::int64_t few_up_to : {0, 1000}) {
+        const ContactList found = contacts_of(*balls, {.few_up_to = few_up_to, .choice = choice}, OutputForm::pairs);
+        EXPECT_EQ(compare(found, expected).text(), "equal") << name << ", " << what << ", few up to " << few_up_to;
+      }
     };
     for (const std::vector<float>& shares :
          std::vector<std::vector<float>>{{}, {0}, {0.1f, 0.5f}, {0, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}})

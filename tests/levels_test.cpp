@@ -172,6 +172,58 @@ TEST_F(LevelsTest, UpdatesFileAgainOnlyWhereOneMovedTooFar) {
   EXPECT_EQ(drift().now, 0);
 }
 
+// ---- few balls ----
+
+// Most of the balls where construction saw few: their buckets hold 6 or 8, and the others spill.
+TEST_F(LevelsTest, BallsThatSpillAreFoundOnce) {
+  Random random(19);
+  for (const double cell_factor : {1.0, 6.0}) {
+    const std::vector<Ball> apart = small_packings_detail::mixture(400, cell_factor, random);
+    std::vector<Ball> crowded = apart;
+    for (std::size_t k = 0; k < 300; ++k) {
+      const Ball& centre = apart[k % 4];
+      const float within = 0.7f * centre.r;
+      for (float Ball::*axis : {&Ball::x, &Ball::y, &Ball::z}) crowded[k].*axis = centre.*axis + random.between(-within, within);
+    }
+    for (const OutputForm form : {OutputForm::pairs, OutputForm::ball_lists}) {
+      Bed bed(apart, {}, form, form == OutputForm::pairs ? 400 * 400 : 400);
+      for (const std::uint64_t seed : {1, 2}) {
+        set_order(seed);
+        EXPECT_EQ(compare(bed.detect(crowded), all_pairs(crowded)).text(), "equal") << "C = " << cell_factor;
+        EXPECT_EQ(compare(bed.detect(apart), all_pairs(apart)).text(), "equal") << "C = " << cell_factor << ", afterwards";
+      }
+    }
+  }
+}
+
+// A thread asks more rows than one of a level, and rows of more cells than it looks up at once.
+TEST_F(LevelsTest, SmallBucketsAreExact) {
+  Random random(20);
+  const std::vector<Ball> balls = small_packings_detail::mixture(300, 3, random);
+  const ContactList expected = all_pairs(balls);
+  for (const double cell : {0.2, 0.5})
+    for (const bool one_level : {true, false}) {
+      LevelChoice choice{.cell_x = cell, .cell_yz = cell, .cells_a_ball = 1000};
+      if (one_level) choice.bounds.emplace();
+      Bed bed(balls, {.choice = choice}, OutputForm::pairs, 300 * 300);
+      EXPECT_EQ(compare(bed.detect(balls), expected).text(), "equal") << "cells of " << cell << " radii";
+    }
+}
+
+TEST_F(LevelsTest, FewBallsAreFiledInOneKernel) {
+  Random random(22);
+  const PackingFacts facts = facts_of(small_packings_detail::mixture(100, 2, random));
+  Stream stream;
+  const auto kernels = [&](const LevelOptions& options) {
+    return make_levels_as(facts, kFewThreads, options, stream)->kernels(OutputForm::pairs).size();
+  };
+  EXPECT_EQ(kernels({}), 2u);
+  EXPECT_EQ(kernels({.few_up_to = 100}), 2u);
+  EXPECT_EQ(kernels({.few_up_to = 99}), 4u);
+  EXPECT_EQ(kernels({.updates = true}), 5u);
+  EXPECT_EQ(kernels({.reproducible = true}), 4u);
+}
+
 // ---- large packings ----
 
 TEST(LevelsMemory, IsKnownBeforehandForAnyNumberOfBalls) {
@@ -182,6 +234,8 @@ TEST(LevelsMemory, IsKnownBeforehandForAnyNumberOfBalls) {
     if (device_count() > 0) {
       Stream stream;
       EXPECT_EQ(levels_bytes(facts.n, facts), make_levels_as(facts, kFewThreads, {}, stream)->workspace_bytes());
+      EXPECT_EQ(SortedLevels::bytes_for(facts.n, facts, {}),
+                make_levels_as(facts, kFewThreads, {.few_up_to = 0}, stream)->workspace_bytes());
     }
     const std::int64_t small = levels_bytes(1'000'000, facts), large = levels_bytes(4'000'000'000, facts);
     EXPECT_GT(small, 20'000'000) << "a ball's place and rank";
@@ -253,7 +307,7 @@ TEST_F(LevelsTest, LongRowsAreExact) {
     std::vector<Ball> balls(600);
     for (Ball& b : balls) b = {random.between(0, 1.5), random.between(0, width), random.between(0, width), 0.0025f};
     for (const std::int64_t large_from : {std::int64_t{0}, std::int64_t{1} << 40}) {
-      Bed bed(balls, {.large_from = large_from}, OutputForm::pairs, 600 * 600);
+      Bed bed(balls, {.few_up_to = 0, .large_from = large_from}, OutputForm::pairs, 600 * 600);
       EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "width " << width << ", large from " << large_from;
       EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "again";
     }
