@@ -79,9 +79,9 @@ std::string text_of(const LevelChoice& c, const PackingFacts& facts) {
   for (const float b : c.bounds.value_or(std::vector<float>()))
     bounds += fmt::format("{}{:.4g}", bounds.empty() ? "" : ", ", b / facts.rmin);
   const auto or_plan = [](double v) { return v > 0 ? fmt::format("{:g}", v) : std::string("plan"); };
-  return fmt::format("bounds [{}] rmin, cells {} x {} R up to {} a ball, lanes {}/{}/{}", bounds, or_plan(c.cell_x),
-                     or_plan(c.cell_yz), or_plan(c.cells_a_ball), or_plan(c.lanes_finest), or_plan(c.lanes_own),
-                     or_plan(c.lanes_finer));
+  return fmt::format("bounds [{}] rmin, cells {} x {} R up to {} a ball, {} asked, lanes {}/{}/{}", bounds, or_plan(c.cell_x),
+                     or_plan(c.cell_yz), or_plan(c.cells_a_ball), c.asked_levels < 0 ? "plan" : fmt::format("{}", c.asked_levels),
+                     or_plan(c.lanes_finest), or_plan(c.lanes_own), or_plan(c.lanes_finer));
 }
 
 int list(const Options& o) {
@@ -109,6 +109,7 @@ Json json_of(const LevelChoice& c) {
           {"cell_x_radii", or_null(c.cell_x)},
           {"cell_yz_radii", or_null(c.cell_yz)},
           {"cells_a_ball", or_null(c.cells_a_ball)},
+          {"asked_levels", c.asked_levels < 0 ? Json(nullptr) : Json(c.asked_levels)},
           {"lanes_finest", or_null(c.lanes_finest)},
           {"lanes_own", or_null(c.lanes_own)},
           {"lanes_finer", or_null(c.lanes_finer)}};

@@ -26,7 +26,8 @@ float end_of_bin(const PackingFacts& facts, float r) {
 
 bool operator==(const LevelChoice& a, const LevelChoice& b) {
   return a.bounds == b.bounds && a.cell_x == b.cell_x && a.cell_yz == b.cell_yz && a.cells_a_ball == b.cells_a_ball &&
-         a.lanes_finest == b.lanes_finest && a.lanes_own == b.lanes_own && a.lanes_finer == b.lanes_finer;
+         a.asked_levels == b.asked_levels && a.lanes_finest == b.lanes_finest && a.lanes_own == b.lanes_own &&
+         a.lanes_finer == b.lanes_finer;
 }
 
 double LevelTrial::cost() const { return us.empty() ? HUGE_VAL : search_cost(us); }
@@ -120,6 +121,12 @@ void LevelSearch::run() {
       LevelChoice choice = trials_[k].choice;
       choice.cells_a_ball = most;
       try_choice(choice, "cells");
+    }
+  for (const std::size_t k : best(kCellsKept))
+    for (int asked = 0; asked <= std::ssize(trials_[k].choice.bounds.value_or(std::vector<float>())); ++asked) {
+      LevelChoice choice = trials_[k].choice;
+      choice.asked_levels = asked;
+      try_choice(choice, "asked");
     }
   for (const std::size_t k : best(kCellsKept))
     for (int LevelChoice::*which : {&LevelChoice::lanes_finest, &LevelChoice::lanes_own, &LevelChoice::lanes_finer}) {

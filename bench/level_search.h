@@ -19,7 +19,7 @@ inline constexpr double kGiveUp = 1.25;  // times the best so far: what is slowe
 
 struct LevelTrial {
   LevelChoice choice;
-  const char* stage;       // "planned", "bounds", "cells", "lanes"
+  const char* stage;       // "planned", "bounds", "cells", "asked", "lanes"
   std::vector<double> us;  // empty: refused
   std::string refused;
   bool pruned = false;
@@ -34,6 +34,7 @@ std::vector<float> bound_candidates(const PackingFacts& facts, const std::vector
 //   bounds  0, 1, 2 and 3 of the candidates, every combination, cells and lanes as planned;
 //   cells   the best six bounds, with every combination of 0.7, 1, 1.4, 2 radii along x and 1.4, 2, 2.8 along y and z; the
 //           best four of all so far with at most 1, 4 and 16 cells a ball;
+//   asked   the best four of all so far, with none to all but one of the coarsest levels asked by finer ones;
 //   lanes   the best four of all so far, each of the three numbers of lanes by itself at 1, 2, 4 … 32.
 class LevelSearch {
  public:

@@ -114,7 +114,9 @@ PackingFacts with_fewer_bins(PackingFacts facts) {
 std::vector<RadiusClass> choose_classes(const PackingFacts& facts, const QueryCost& cost,
                                         const std::function<LevelGrids(const std::vector<RadiusClass>&)>& to_grids) {
   std::vector<RadiusClass> classes = split_radii(facts, LevelGrids::kMost, cost, kLeastSaving);
-  if (facts.n < kLeastBallsMoved || facts.n >= SearchTime::kMostBalls) return classes;
+  const LevelGrids grids = to_grids(classes);
+  const bool asked_by_finer = grids.asked_from < grids.levels;  // which the split does not know
+  if (!asked_by_finer && (facts.n < kLeastBallsMoved || facts.n >= SearchTime::kMostBalls)) return classes;
   return faster_classes(facts, std::move(classes),
                         [&](const std::vector<RadiusClass>& tried) { return expected_us(facts, to_grids(tried)); });
 }

@@ -14,8 +14,8 @@ namespace touchstone {
 // sizes hang on that. Throws InputError: too many bounds, or bounds that do not ascend from rmin to below rmax.
 std::vector<RadiusClass> classes_between(const PackingFacts& facts, const std::vector<float>& bounds);
 
-// The classes that make a search least: split_radii() by `cost`, and where few balls are searched bounds moved as long as the
-// time of the grids that `to_grids` makes of them falls (docs/level_choice.md).
+// The classes that make a search least: split_radii() by `cost`, and where few balls are searched, or coarse levels are asked by
+// finer ones, bounds moved as long as the time of the grids that `to_grids` makes of them falls (docs/level_choice.md).
 std::vector<RadiusClass> choose_classes(const PackingFacts& facts, const QueryCost& cost,
                                         const std::function<LevelGrids(const std::vector<RadiusClass>&)>& to_grids);
 

@@ -4,6 +4,15 @@
 #include <cmath>
 
 namespace touchstone {
+namespace {
+
+// Where balls are many a ball asks its own level alone, and 8 threads share one that asks a finer level.
+constexpr int kFinerBitsOfMany = 3;
+
+// Below so many all searches together leave multiprocessors idle: each has as many threads as are of use.
+constexpr std::int32_t kFewBalls = 1 << 13;
+
+}  // namespace
 
 Box box_of(const PackingFacts& facts) { return facts.bulk.value_or(facts.centres); }
 
@@ -39,8 +48,9 @@ std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const L
   const std::vector<double> balls = balls_of_levels(facts, grids);
   std::vector<ExpectedSearch> searches;
   for (int asking = grids.levels - 1; asking >= 0; --asking)
-    for (int asked = 0; asked <= asking; ++asked)
-      searches.push_back({asking, asked, !grids.level[asked].one_radius, balls[asking], {0, 0}, {0, 0}});
+    for (int asked = 0; asked < grids.levels; ++asked)
+      if (asked == asking || (asked > asking) == (std::max(asked, asking) >= grids.asked_from))
+        searches.push_back({asking, asked, !grids.level[asked].one_radius, balls[asking], {0, 0}, {0, 0}});
   for (const auto& [radius, count] : facts.radii) {  // which ascend: the last of a level is its largest
     const int asking = grids.level_of(radius);
     for (ExpectedSearch& s : searches) {
@@ -60,7 +70,7 @@ LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
     work.queries += share;
     work.rows += share * s.mean.rows;
     work.tests += share * s.mean.tests;
-    work.instructions += share * instructions(s.mean, s.asking == s.asked, s.several);
+    work.instructions += share * instructions(s.mean, !s.finer(), s.several);
   }
   return work;
 }
@@ -72,7 +82,7 @@ double blocks_of(const ExpectedSearch& s, int lane_bits) {
 }
 
 double query_ns(const ExpectedSearch& s, const SearchTime::Ns (&costs)[2][2], double largest, int lane_bits) {
-  const SearchTime::Ns& ns = costs[s.asking != s.asked][s.several];
+  const SearchTime::Ns& ns = costs[s.finer()][s.several];
   const double rows = std::lerp(s.mean.rows, s.largest.rows, largest), tests = std::lerp(s.mean.tests, s.largest.tests, largest);
   return ns.query + (rows * ns.row + tests * ns.test) / (1 << lane_bits);
 }
@@ -102,10 +112,9 @@ double search_us(const std::vector<ExpectedSearch>& searches, const std::vector<
 // Threads a ball that are tried: no more than there are rows. Fewer than 16 were never faster where a level of equal balls is
 // asked from a coarser one, and more than make 2^16 threads not where such a level asks itself; the fit does not see either.
 std::pair<int, int> lane_bits_allowed(const ExpectedSearch& s) {
-  const bool own = s.asking == s.asked;
-  int most = own ? 3 : 5;
-  while (most > 0 && (1 << (most - 1)) >= (own ? s.mean.rows : s.largest.rows)) --most;
-  if (!own) return {std::min(s.several ? 2 : 4, most), most};
+  int most = s.finer() ? 5 : 3;
+  while (most > 0 && (1 << (most - 1)) >= (s.finer() ? s.largest.rows : s.mean.rows)) --most;
+  if (s.finer()) return {std::min(s.several ? 2 : 4, most), most};
   while (!s.several && most > 0 && std::ldexp(s.balls, most - 1) >= 1 << 16) --most;
   return {0, most};
 }
@@ -129,10 +138,18 @@ std::vector<int> fastest_lane_bits(const std::vector<ExpectedSearch>& searches) 
   return fastest;
 }
 
+std::vector<int> planned_lane_bits(std::int64_t n, const std::vector<ExpectedSearch>& searches) {
+  if (n >= kFewBalls && n < SearchTime::kMostBalls) return fastest_lane_bits(searches);
+  std::vector<int> lane_bits;
+  for (const ExpectedSearch& s : searches)
+    lane_bits.push_back(n < kFewBalls ? lane_bits_allowed(s).second : s.finer() ? kFinerBitsOfMany : 0);
+  return lane_bits;
+}
+
 double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
   const std::vector<ExpectedSearch> searches = expected_searches(facts, grids);
   return SearchTime::kStartUs + SearchTime::kBallUs * facts.n + SearchTime::kEntryUs * grids.entries +
-         SearchTime::kRowOfCellsUs * grids.rows + search_us(searches, fastest_lane_bits(searches));
+         SearchTime::kRowOfCellsUs * grids.rows + search_us(searches, planned_lane_bits(facts.n, searches));
 }
 
 double expected_bucket_us(const PackingFacts& facts, const LevelGrids& grids) {

@@ -51,6 +51,8 @@ struct ExpectedSearch {
   bool several;       // radii in the asked one
   double balls;       // that ask
   ExpectedQuery mean, largest;
+
+  bool finer() const { return asked < asking; }  // large balls ask small ones, and each many
 };
 // Those of few large balls first, as LevelQueries has them.
 std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const LevelGrids& grids);
@@ -65,7 +67,7 @@ struct SearchTime {
   struct Ns {
     double query, row, test;
   };
-  // By what is asked: [the own level, a finer one][of one radius, of several].
+  // By what is asked: [the own level or a coarser one, a finer one][of one radius, of several].
   static constexpr Ns kBlock[2][2] = {{{0.93, 0.11, 0.13}, {2.49, 0.11, 0.32}}, {{3.11, 0.004, 0.006}, {3.11, 0.004, 0.007}}};
   static constexpr Ns kThread[2][2] = {{{784, 12, 367}, {2787, 12, 237}}, {{16, 3, 616}, {16, 3, 742}}};
   // A block's and a thread's queries: between those of the mean ball and of the largest.
@@ -86,6 +88,9 @@ double search_us(const std::vector<ExpectedSearch>& searches, const std::vector<
 // The fewest and the most that are tried, as exponents of two; and of these what makes the expected time least.
 std::pair<int, int> lane_bits_allowed(const ExpectedSearch& search);
 std::vector<int> fastest_lane_bits(const std::vector<ExpectedSearch>& searches);
+
+// What is planned for n balls: those, but for the most where balls are too few for it to matter, and few where they are many.
+std::vector<int> planned_lane_bits(std::int64_t n, const std::vector<ExpectedSearch>& searches);
 
 // Of a whole detection with those.
 double expected_us(const PackingFacts& facts, const LevelGrids& grids);

@@ -84,6 +84,24 @@ LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vect
   return grids;
 }
 
+// Whether coarse levels ask finer ones, or are asked by them: one level more, from the coarsest on, as long as that is expected
+// to be faster. Large balls that ask are few searches, but each is long.
+LevelGrids with_direction(const PackingFacts& facts, LevelGrids grids, int asked_levels) {
+  grids.asked_from = std::max(grids.levels - std::max(asked_levels, 0), 1);
+  if (asked_levels >= 0) return grids;
+  double least = grids.levels > 1 ? expected_us(facts, grids) : 0;
+  while (grids.asked_from > 1) {
+    --grids.asked_from;
+    if (const double us = expected_us(facts, grids); us < least) {
+      least = us;
+    } else {
+      ++grids.asked_from;
+      break;
+    }
+  }
+  return grids;
+}
+
 // The choice with what it leaves open, but for cell_x. Throws InputError for what is none.
 LevelChoice completed(LevelChoice choice) {
   require_cell("cell_x", choice.cell_x);
@@ -91,6 +109,9 @@ LevelChoice completed(LevelChoice choice) {
   if (choice.cells_a_ball != 0 && !(choice.cells_a_ball >= kLeastCellsABall && choice.cells_a_ball <= kMostCellsABall))
     throw InputError(fmt::format("levels: {:g} cells a ball; use {} to {}, or 0 for the plan's", choice.cells_a_ball,
                                  kLeastCellsABall, kMostCellsABall));
+  if (choice.asked_levels < -1 || choice.asked_levels >= LevelGrids::kMost)
+    throw InputError(fmt::format("levels: {} levels asked by finer ones; use 0 to {}, or -1 for the plan's", choice.asked_levels,
+                                 LevelGrids::kMost - 1));
   if (choice.cells_a_ball == 0) choice.cells_a_ball = kCellsABall;
   if (choice.cell_yz == 0) choice.cell_yz = kCellYZ;
   return choice;
@@ -100,7 +121,7 @@ LevelChoice completed(LevelChoice choice) {
 
 LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, const LevelChoice& choice) {
   const LevelChoice chosen = completed(choice);
-  const PackingFacts facts = choice.bounds ? all_facts : with_fewer_bins(all_facts);
+  const PackingFacts fewer_bins = with_fewer_bins(all_facts), &facts = choice.bounds ? all_facts : fewer_bins;
   const auto query = [&](double radius, const RadiusClass& level, double share) {
     const double x = cell_x(facts, level, chosen);
     const double grown = level.radius * growth_of_cells(facts, level, x, chosen.cell_yz, chosen.cells_a_ball);
@@ -109,7 +130,9 @@ LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, con
         expected_query(facts, radius, level.radius, level.balls, grown * x, grown * chosen.cell_yz, own);
     return instructions(expected, own, !of_one_radius(facts, level));
   };
-  const auto to_grids = [&](const std::vector<RadiusClass>& classes) { return grids_of(facts, rows_a_block, classes, chosen); };
+  const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
+    return with_direction(fewer_bins, grids_of(facts, rows_a_block, classes, chosen), chosen.asked_levels);
+  };
   if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
   return to_grids(choose_classes(facts, query, to_grids));
 }

@@ -31,6 +31,8 @@ struct LevelGrids {
   std::int32_t levels = 0;
   std::int32_t rows = 0;     // of all levels, each level's rounded up to a multiple of rows_a_block
   std::int32_t entries = 0;  // of all levels
+  // Levels from this one on are asked by all finer ones; those before ask the finer ones themselves.
+  std::int32_t asked_from = kMost;
   LevelGrid level[kMost] = {};
 
   // The level of a ball: the finest that holds its radius.
@@ -41,7 +43,7 @@ struct LevelGrids {
   }
 };
 
-// One of the searches: balls of level `asking` against those of level `asked`, the same or a finer one.
+// One of the searches: balls of level `asking` against those of level `asked`, the same or another.
 struct LevelQuery {
   std::int32_t asking, asked;
   std::int32_t lane_bits;  // 2^lane_bits threads a ball
@@ -63,6 +65,9 @@ struct LevelChoice {
   std::optional<std::vector<float>> bounds = {};
   double cell_x = 0, cell_yz = 0;  // edges of every level's cells, in that level's radius; larger where cells would be too many
   double cells_a_ball = 0;         // a level has at most so many cells for each of its balls, and a few more
+  // So many of the coarsest levels are asked by finer ones, instead of asking them; -1: as planned. Where cells are buckets all
+  // are.
+  int asked_levels = -1;
   // Threads a ball, 1, 2, 4 … 32: where the finest level asks itself, another level itself, a level another. Where cells are
   // buckets the first is for all.
   int lanes_finest = 0, lanes_own = 0, lanes_finer = 0;

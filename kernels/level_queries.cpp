@@ -11,20 +11,6 @@
 namespace touchstone {
 namespace {
 
-// Where balls are many a ball asks its own level alone, and 8 threads share one that asks a finer level.
-constexpr int kFinerBitsOfMany = 3;
-
-// Below so many all searches together leave multiprocessors idle: each has as many threads as are of use.
-constexpr std::int32_t kFewBalls = 1 << 13;
-
-std::vector<int> planned_lane_bits(std::int32_t n, const std::vector<ExpectedSearch>& searches) {
-  if (n >= kFewBalls && n < SearchTime::kMostBalls) return fastest_lane_bits(searches);
-  std::vector<int> lane_bits;
-  for (const ExpectedSearch& s : searches)
-    lane_bits.push_back(n < kFewBalls ? lane_bits_allowed(s).second : s.asking != s.asked ? kFinerBitsOfMany : 0);
-  return lane_bits;
-}
-
 int lane_bits_of(const char* what, int lanes, int planned_bits) {
   if (lanes == 0) return planned_bits;
   if (lanes < 1 || lanes > 32 || !std::has_single_bit(static_cast<unsigned>(lanes)))
@@ -46,7 +32,7 @@ LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& gri
   std::int64_t first_block = 0;
   for (const ExpectedSearch& s : searches) {
     int bits = planned[queries.count];
-    if (s.asking != s.asked)
+    if (s.finer())
       bits = lane_bits_of("lanes_finer", choice.lanes_finer, bits);
     else if (s.asking > 0)
       bits = lane_bits_of("lanes_own", choice.lanes_own, bits);
@@ -61,7 +47,8 @@ LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& gri
 }
 
 int plan_bucket_lane_bits(std::int64_t n, const LevelChoice& choice) {
-  return lane_bits_of("lanes_finest", choice.lanes_finest, n <= kFewBalls ? 4 : 3);
+  constexpr std::int64_t kBallsOf16Threads = 1 << 13;
+  return lane_bits_of("lanes_finest", choice.lanes_finest, n <= kBallsOf16Threads ? 4 : 3);
 }
 
 }  // namespace touchstone

@@ -2,8 +2,8 @@
 // few in two others (bucketed_levels.h).
 //
 // Balls are counting-sorted into the cells of their levels (sorted_levels.h): count, give each row of cells its place, move. A
-// ball asks its own level for later balls, and every finer level for all balls within reach: each pair is met once, by its
-// larger ball's level. docs/levels.md: where the time goes, and what was tried.
+// ball asks its own level for later balls, and of two levels the balls of one ask the other for all within reach, as planned: each
+// pair is met once. docs/levels.md: where the time goes, and what was tried.
 //
 // Why no pair is lost: a ball asks the cells that the box about its centre with half-width ri + R overlaps, R the asked level's
 // largest radius; touchstone/grid.h shows that this holds every partner's centre on each axis by itself, so cells may be longer
@@ -72,7 +72,7 @@ struct Asking {
   int lane, lanes;    // rows lane, lane + lanes, …
 };
 
-// What a thread asks: level `grid`, its ball's own or a finer one.
+// What a thread asks: level `grid`, its ball's own or another.
 struct Asked {
   LevelGrid grid;
   bool own, alike;

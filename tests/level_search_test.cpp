@@ -22,13 +22,14 @@ PackingFacts facts_of_c(double cell_factor) {
   return facts_of(small_packings_detail::wide(5000, cell_factor, random));
 }
 
-// Least at one bound near `at` rmin, with cells of 1.4 x 2 and 4 lanes; each axis costs by itself.
+// Least at one bound near `at` rmin, with cells of 1.4 x 2, one level asked and 4 lanes; each axis costs by itself.
 std::vector<double> made_up(const PackingFacts& facts, const LevelChoice& c, double at) {
   double us = 20;
   const std::vector<float> bounds = c.bounds.value_or(std::vector<float>());
   us += 5 * std::abs(static_cast<double>(bounds.size()) - 1);
   if (bounds.size() == 1) us += 3 * std::abs(std::log(bounds[0] / facts.rmin / at));
   us += std::abs(std::log((c.cell_x > 0 ? c.cell_x : 1) / 1.4)) + std::abs(std::log((c.cell_yz > 0 ? c.cell_yz : 2) / 2));
+  us += c.asked_levels == 1 ? 0 : 0.1;
   us += 0.5 * std::abs(std::log2((c.lanes_finest > 0 ? c.lanes_finest : 2) / 4.0));
   return std::vector<double>(15, us);
 }
@@ -72,6 +73,7 @@ TEST(LevelSearch, FindsTheLeastOfAMadeUpCost) {
   ASSERT_EQ(best.bounds->size(), 1u);
   EXPECT_NEAR(std::log((*best.bounds)[0] / facts.rmin / 6), 0, 0.5 * std::log(50) / 8) << "to the nearest candidate";
   EXPECT_EQ(best.cell_x, 1.4);
+  EXPECT_EQ(best.asked_levels, 1);
   EXPECT_EQ(best.lanes_finest, 4);
   EXPECT_STREQ(search.trials()[0].stage, "planned");
   for (std::size_t a = 0; a < search.trials().size(); ++a)
