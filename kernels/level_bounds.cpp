@@ -17,7 +17,8 @@ constexpr double kLeastSaving = 0.01;
 // About the numbers of balls that SearchTime was fitted to, the longest of the searches decides as much as their sum: there
 // levels are moved as long as the expected time falls by this share.
 constexpr std::int32_t kLeastBallsMoved = 1 << 11;
-constexpr double kLeastSavingMoved = 0.02;
+constexpr double kLeastSavingMoved = 0.015;
+constexpr double kLeastSavingElsewhere = 0.02;  // where moves from a single level ended, against where those from the split did
 constexpr int kPlacesForBounds = 12;
 constexpr float kMergedBin = 1.04f;  // radii in the ratio of at most this count as one while levels are planned
 
@@ -117,8 +118,10 @@ std::vector<RadiusClass> choose_classes(const PackingFacts& facts, const QueryCo
   const LevelGrids grids = to_grids(classes);
   const bool asked_by_finer = grids.asked_from < grids.levels;  // which the split does not know
   if (!asked_by_finer && (facts.n < kLeastBallsMoved || facts.n >= SearchTime::kMostBalls)) return classes;
-  return faster_classes(facts, std::move(classes),
-                        [&](const std::vector<RadiusClass>& tried) { return expected_us(facts, to_grids(tried)); });
+  const auto us = [&](const std::vector<RadiusClass>& tried) { return expected_us(facts, to_grids(tried)); };
+  const std::vector<RadiusClass> from_split = faster_classes(facts, std::move(classes), us),
+                                 from_one = faster_classes(facts, classes_between(facts, {}), us);
+  return us(from_one) < (1 - kLeastSavingElsewhere) * us(from_split) ? from_one : from_split;
 }
 
 }  // namespace touchstone

@@ -19,7 +19,7 @@ std::vector<RadiusClass> classes_between(const PackingFacts& facts, const std::v
 std::vector<RadiusClass> choose_classes(const PackingFacts& facts, const QueryCost& cost,
                                         const std::function<LevelGrids(const std::vector<RadiusClass>&)>& to_grids);
 
-// Bounds added, taken away and moved among twelve radii as long as the expected time falls by 2 %, from the classes given on.
+// Bounds added, taken away and moved among twelve radii as long as the expected time falls by 1.5 %, from the classes given on.
 std::vector<RadiusClass> faster_classes(const PackingFacts& facts, std::vector<RadiusClass> classes,
                                         const std::function<double(const std::vector<RadiusClass>&)>& expected_us);
 

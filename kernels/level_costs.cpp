@@ -81,8 +81,8 @@ double blocks_of(const ExpectedSearch& s, int lane_bits) {
   return std::max(1.0, std::ceil(std::ldexp(s.balls, lane_bits) / SearchTime::kThreadsABlock));
 }
 
-double query_ns(const ExpectedSearch& s, const SearchTime::Ns (&costs)[2][2], double largest, int lane_bits) {
-  const SearchTime::Ns& ns = costs[s.finer()][s.several];
+double query_ns(const ExpectedSearch& s, const SearchTime::Ns (&costs)[3][2], double largest, int lane_bits) {
+  const SearchTime::Ns& ns = costs[s.finer() ? 1 : s.coarser() ? 2 : 0][s.several];
   const double rows = std::lerp(s.mean.rows, s.largest.rows, largest), tests = std::lerp(s.mean.tests, s.largest.tests, largest);
   return ns.query + (rows * ns.row + tests * ns.test) / (1 << lane_bits);
 }

@@ -53,29 +53,33 @@ struct ExpectedSearch {
   ExpectedQuery mean, largest;
 
   bool finer() const { return asked < asking; }  // large balls ask small ones, and each many
+  bool coarser() const { return asked > asking; }
 };
 // Those of few large balls first, as LevelQueries has them.
 std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const LevelGrids& grids);
 
 // The time of a detection on an H100: that of what goes over all balls and cells, and a sum of two times, nearer to the larger:
 // the one that all blocks of the searches take together, and the one that the longest of all threads takes by itself. Fitted to
-// 12,836 detections of 3,000 to 110,000 balls with levels, cells and threads drawn by lot (docs/level_choice.md; root mean square
-// error 8 %).
+// 18,461 detections of 3,000 to 110,000 balls with levels, cells, threads and who asks drawn by lot (docs/level_choice.md; root
+// mean square error 8 %).
 struct SearchTime {
   static constexpr std::int32_t kMostBalls = 1
                                              << 17;  // from so many on all searches together decide, and no thread is waited for
   struct Ns {
     double query, row, test;
   };
-  // By what is asked: [the own level or a coarser one, a finer one][of one radius, of several].
-  static constexpr Ns kBlock[2][2] = {{{0.93, 0.11, 0.13}, {2.49, 0.11, 0.32}}, {{3.11, 0.004, 0.006}, {3.11, 0.004, 0.007}}};
-  static constexpr Ns kThread[2][2] = {{{784, 12, 367}, {2787, 12, 237}}, {{16, 3, 616}, {16, 3, 742}}};
+  // By what is asked: [the own level, a finer one, a coarser one][of one radius, of several].
+  static constexpr Ns kBlock[3][2] = {{{1.00, 0.04, 0.10}, {2.66, 0.04, 0.38}},
+                                      {{3.18, 0.0025, 0.0075}, {3.18, 0.0025, 0.012}},
+                                      {{3.05, 0.074, 0.16}, {3.05, 0.074, 0.16}}};
+  static constexpr Ns kThread[3][2] = {
+      {{624, 15, 400}, {2816, 15, 247}}, {{9, 2, 640}, {9, 2, 758}}, {{1726, 174, 327}, {1726, 174, 327}}};
   // A block's and a thread's queries: between those of the mean ball and of the largest.
-  static constexpr double kBlockLargest = 0.23, kThreadLargest = 0.95;
-  static constexpr double kPower = 1.67;  // of the sum: 1 would be a plain one, infinity the larger of both
+  static constexpr double kBlockLargest = 0, kThreadLargest = 0.90;
+  static constexpr double kPower = 1.80;  // of the sum: 1 would be a plain one, infinity the larger of both
   static constexpr int kThreadsABlock = 128, kBlocksAtOnce = 1320;
   static constexpr double kSecondWaveUs = 1.2;  // blocks that must wait until others have ended
-  static constexpr double kStartUs = 10.45, kBallUs = 7.5e-5, kEntryUs = 5.9e-8, kRowOfCellsUs = 6.4e-4;
+  static constexpr double kStartUs = 10.39, kBallUs = 7.0e-5, kEntryUs = 4.5e-8, kRowOfCellsUs = 7.8e-4;
 };
 
 // Of all blocks of a search, and of its longest thread, with 2^lane_bits threads a ball.

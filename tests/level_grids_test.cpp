@@ -375,12 +375,12 @@ TEST(LevelGrids, TableOfWideRadii) {
   };
   for (const Line& line :
        {Line{"equal", loose(Mix::table1, 1), 1, 1, 15},
-        {"Table 1, C = 100", loose(Mix::table1, 100), 2, 3, 15},
+        {"Table 1, C = 100", loose(Mix::table1, 100), 2, 4, 15},
         {"Table 1, C = 1000", loose(Mix::table1, 1000), 2, 3, 15},
         {"uniform, C = 100", loose(Mix::uniform, 100), 1, 4, 35},
         {"uniform, C = 1000", loose(Mix::uniform, 1000), 1, 4, 35},
         {"power law, C = 100", loose(Mix::power_law, 100), 3, 7, 20},
-        {"power law, C = 1000", loose(Mix::power_law, 1000, 200000), 3, 8, 20},
+        {"power law, C = 1000", loose(Mix::power_law, 1000, 200000), 3, 8, 25},
         {"power law, C = 2", loose(Mix::power_law, 2), 2, 2, 20},  // measured: 21 us with two, 23 with one (50,000)
         {"a giant of 1000 among dust", giant, 2, 2, 20}}) {
     const PackingFacts facts = facts_of(line.balls);
