@@ -229,7 +229,7 @@ struct Plan {
 // Twice the mean and six more, which a bed of the radii known never fills.
 Plan plan_buckets(const PackingFacts& facts, const LevelOptions& options) {
   Plan plan{plan_bucket_grids(facts, options.choice)};
-  plan.lane_bits = plan_bucket_lane_bits(facts.n, options.choice);
+  plan.lane_bits = plan_bucket_lane_bits(options.choice);
   const std::vector<double> balls = balls_of_levels(facts, plan.grids);
   for (int l = 0; l < plan.grids.levels; ++l) {
     const LevelGrid& g = plan.grids.level[l];

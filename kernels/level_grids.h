@@ -77,10 +77,9 @@ struct LevelChoice {
 // for a choice that is none: which, and what would do.
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
 
-// The same where cells are buckets (bucketed_levels.cu), by that search's time; and its threads a ball, 2 to that power: as many
-// as all run at once on an H100.
+// The same where cells are buckets (bucketed_levels.cu), by that search's time; and its threads a ball, 2 to that power.
 LevelGrids plan_bucket_grids(const PackingFacts& facts, const LevelChoice& choice = {});
-int plan_bucket_lane_bits(std::int64_t n, const LevelChoice& choice = {});
+int plan_bucket_lane_bits(const LevelChoice& choice = {});
 
 // Threads a block, where none are asked for: small blocks where balls are few, so that all multiprocessors have some.
 struct LevelThreads {

@@ -46,9 +46,9 @@ LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& gri
   return queries;
 }
 
-int plan_bucket_lane_bits(std::int64_t n, const LevelChoice& choice) {
-  constexpr std::int64_t kBallsOf16Threads = 1 << 13;
-  return lane_bits_of("lanes_finest", choice.lanes_finest, n <= kBallsOf16Threads ? 4 : 3);
+int plan_bucket_lane_bits(const LevelChoice& choice) {
+  constexpr int kBits = 4;  // measured: docs/levels.md, "Few balls"
+  return lane_bits_of("lanes_finest", choice.lanes_finest, kBits);
 }
 
 }  // namespace touchstone

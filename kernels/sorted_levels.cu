@@ -198,7 +198,6 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
 
 // One thread a ball: moves it to its place. Clears what the kernels before have counted by, and settles the drift.
 __global__ void move_kernel(BallSource source, const __grid_constant__ LevelGrids grids, SortedLevelsView index, bool always) {
-  let_next_kernel_begin();
   const std::int64_t k = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
   Sourced s{};
   if (k < source.n) s = take(source, k);
@@ -208,13 +207,15 @@ __global__ void move_kernel(BallSource source, const __grid_constant__ LevelGrid
   wait_for_kernel_before();
   const bool refiles = files(index, always);
   if (k == 0) index.drift->now = refiles ? 0 : drift_now(*index.drift);
-  if (!refiles) return;
-  if (k < grids.levels) index.counted[k] = index.odd[k] = index.taken[k] = 0;
-  if (k >= source.n) return;
-  const std::int32_t place = index.start[entry] + index.rank[k];
-  index.ball[place] = {b.x, b.y, b.z, g.one_radius ? s.number : __float_as_int(b.r)};
-  if (!g.one_radius) index.number[place] = s.number;
-  if (index.row) index.row[place] = row_of(grids, g, b);
+  if (refiles && k < grids.levels) index.counted[k] = index.odd[k] = index.taken[k] = 0;
+  if (refiles && k < source.n) {
+    const std::int32_t place = index.start[entry] + index.rank[k];
+    index.ball[place] = {b.x, b.y, b.z, g.one_radius ? s.number : __float_as_int(b.r)};
+    if (!g.one_radius) index.number[place] = s.number;
+    if (index.row) index.row[place] = row_of(grids, g, b);
+  }
+  // Not before: the search's blocks would crowd on the multiprocessors that have ended theirs (docs/levels.md).
+  let_next_kernel_begin();
 }
 
 bool any_of_several_radii(const LevelGrids& grids) {

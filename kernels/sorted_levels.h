@@ -50,7 +50,7 @@ struct SortedLevelsView {
 struct LevelOptions {
   bool updates = false;                             // update() will be called: 4 bytes a ball
   bool reproducible = false;                        // lists ascending, the same bytes in every run: 8 bytes a ball
-  std::int64_t few_up_to = 3 << 12;                 // balls up to which cells are buckets (bucketed_levels.h); not with the above
+  std::int64_t few_up_to = std::int64_t{1} << 13;   // balls up to which cells are buckets (bucketed_levels.h); not with the above
   std::int64_t large_from = std::int64_t{1} << 21;  // balls from which memory is spared, and balls parted by region
   LevelChoice choice = {};
 };
