@@ -38,20 +38,20 @@ TEST(Sanitize, CountsRunsThatFoundNothing) {
       "[ $2 = racecheck ] && echo '========= RACECHECK SUMMARY: 0 hazards displayed' || "
       "echo '========= ERROR SUMMARY: 0 errors'\n");
   EXPECT_EQ(o.code, 0) << o.err;
-  EXPECT_EQ(o.out, "memcheck: 4 of 4 clean\nracecheck: 4 of 4 clean\ninitcheck: 4 of 4 clean\nsynccheck: 4 of 4 clean\n");
+  EXPECT_EQ(o.out, "memcheck: 6 of 6 clean\nracecheck: 6 of 6 clean\ninitcheck: 6 of 6 clean\nsynccheck: 6 of 6 clean\n");
   EXPECT_THAT(sanitize("echo '========= ERROR SUMMARY: 0 errors'\n", "grid").out, HasSubstr("memcheck: 2 of 2 clean"));
 }
 
 TEST(Sanitize, NamesWhatIsNotClean) {
   const Outcome found = sanitize(
-      "case \"$*\" in *levels*pairs*) echo '========= Invalid __global__ read of size 4'; exit 99;; esac\n"
+      "case \"$*\" in *n=2969*levels*pairs*) echo '========= Invalid __global__ read of size 4'; exit 99;; esac\n"
       "echo '========= ERROR SUMMARY: 0 errors'\n");
   EXPECT_EQ(found.code, 1);
-  EXPECT_THAT(found.out, HasSubstr("memcheck levels pairs: exit code 99: ========= Invalid __global__ read of size 4"));
-  EXPECT_THAT(found.out, HasSubstr("memcheck: 3 of 4 clean"));
+  EXPECT_THAT(found.out, HasSubstr("memcheck levels n=2969,c=4 pairs: exit code 99: ========= Invalid __global__ read of size 4"));
+  EXPECT_THAT(found.out, HasSubstr("memcheck: 5 of 6 clean"));
   const Outcome silent = sanitize("exit 0\n");
   EXPECT_EQ(silent.code, 1) << "a tool that did not look found nothing";
-  EXPECT_THAT(silent.out, HasSubstr("memcheck: 0 of 4 clean"));
+  EXPECT_THAT(silent.out, HasSubstr("memcheck: 0 of 6 clean"));
   EXPECT_EQ(sanitize("exit 0\n", "no_such").code, 2);
 }
 
