@@ -101,6 +101,7 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases, const Jso
   host_ = host_json();
   host_["openmp_threads"] = omp_get_max_threads();
   device_ = device_json();
+  const std::string begun = utc_now();  // before anything else is asked: times in the file ascend
   const Json start = state_json();
   flags_ = run_flags(source_, host_, device_, start["load_1min"], others);
   for (const std::string& reason : refusals(build_, device_, others)) {
@@ -114,8 +115,8 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases, const Jso
   provision_ = std::make_unique<Provision>(options.packing_folder, options.selection.profile, options.tuning_n, *journal_, key_);
   Json t;
   t["schema"] = "touchstone/1";
-  t["run"] = {{"id", fmt::format("{}-{}", utc_now(), ::getpid())},
-              {"start", utc_now()},
+  t["run"] = {{"id", fmt::format("{}-{}", begun, ::getpid())},
+              {"start", begun},
               {"argv", options.argv},
               {"study", options.study},
               {"profile", options.profile_name}};

@@ -26,6 +26,7 @@ set xrange [0.9:C_max * 1.12]
 set yrange [lowest / 1.4 : highest * 1.4]
 # Less than two decades: figures between the powers of ten.
 if (highest / lowest < 100) { set ytics (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000) }
+if (highest / lowest < 8) { set ytics (0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100) }
 if (bar == bar) {
   set arrow 1 from graph 0, first bar to graph 1, first bar nohead lw 3 lc rgb "#c9d8ea" back
 }
