@@ -33,11 +33,16 @@ struct alignas(8) BallsOfCell {
   std::int32_t of_run[2];
 };
 
-// Which of the two a run uses, said on the device, so that a graph may be launched again and again.
-struct alignas(16) Runs {
-  std::int32_t next;        // for the run to come
-  std::int32_t filed;       // in the run whose balls were filed last
-  std::int32_t spilled[2];  // balls that found their bucket full
+// What the last run has filed: which of the two counts it used, and how many balls found their bucket full.
+struct alignas(16) Filed {
+  std::int32_t run;
+  std::int32_t spilled[2];
+};
+
+// Said on the device, so that a graph may be launched again and again. Each kernel writes what it does not read.
+struct Runs {
+  Filed filed;
+  std::int32_t next;  // which of the two the run to come uses
 };
 
 // Entry e of level l has slots first_slot[l] + (e - its first entry) * capacity[l] and the capacity[l] - 1 after it.
@@ -72,7 +77,7 @@ __global__ void fill_buckets_kernel(BallsView in, const __grid_constant__ LevelG
   const std::int32_t run = buckets.runs->next;
   Ball b{};
   if (i < in.n) b = in.data[i];
-  if (i == 0) buckets.runs->filed = run, buckets.runs->spilled[1 - run] = 0;
+  if (i == 0) buckets.runs->filed.run = run, buckets.runs->filed.spilled[1 - run] = 0;
   if (i == 0 && out.form == OutputForm::pairs) *out.count = 0;
   if (i < in.n && out.form == OutputForm::ball_lists) out.length[i] = 0;
   const int level = grids.level_of(b.r);
@@ -86,7 +91,7 @@ __global__ void fill_buckets_kernel(BallsView in, const __grid_constant__ LevelG
     buckets.ball[slot] = b;
     buckets.number[slot] = i;
   } else {
-    buckets.spilled[atomicAdd(&buckets.runs->spilled[run], 1)] = i;
+    buckets.spilled[atomicAdd(&buckets.runs->filed.spilled[run], 1)] = i;
   }
 }
 
@@ -181,23 +186,23 @@ __global__ void search_buckets_kernel(BallsView in, const __grid_constant__ Leve
   };
   wait_for_kernel_before();
   fetch_counts();
-  const Runs runs = *buckets.runs;
-  if (thread == 0) buckets.runs->next = 1 - runs.filed;
-  const std::int32_t spilled = runs.spilled[runs.filed];
+  const Filed filed = buckets.runs->filed;
+  if (thread == 0) buckets.runs->next = 1 - filed.run;
+  const std::int32_t spilled = filed.spilled[filed.run];
   Found found(i, out);
   if (real && spilled > 0) {
-    const bool filed = buckets.rank[i] < buckets.capacity[own_level];
+    const bool in_bucket = buckets.rank[i] < buckets.capacity[own_level];
     for (std::int32_t k = thread & (lanes - 1); k < spilled; k += lanes) {
       const std::int32_t j = buckets.spilled[k];
-      if ((filed || i < j) && in_contact(me, in.data[j])) found.keep(j);
+      if ((in_bucket || i < j) && in_contact(me, in.data[j])) found.keep(j);
     }
-    if (!filed) cells = 0;
+    if (!in_bucket) cells = 0;
   }
   while (cells > 0) {
     Slots slots{buckets.slot(grids.level[level], level, entry), buckets.capacity[level], {}};
 #pragma unroll
     for (int c = 0; c < kTogether; ++c)
-      slots.before[c + 1] = slots.before[c] + min(runs.filed ? count[c].of_run[1] : count[c].of_run[0], slots.capacity);
+      slots.before[c + 1] = slots.before[c] + min(filed.run ? count[c].of_run[1] : count[c].of_run[0], slots.capacity);
     const std::int32_t balls = slots.before[kTogether], in_own_cell = entry == own.entry ? slots.before[1] : 0;
     const auto test = [&](std::int32_t k, const Ball& o, std::int32_t j) {
       if (in_contact(me, o) && (k >= in_own_cell || i < j)) found.keep(j);

@@ -2,4 +2,4 @@
 # file: kernels/bucketed_levels.cu
 # build: address
 # detector: levels
-s/if ((filed || i < j) && in_contact/if (j != i \&\& in_contact/
+s/if ((in_bucket || i < j) && in_contact/if (j != i \&\& in_contact/
