@@ -6,8 +6,7 @@
 // twice the level's largest radius. In their units, one test of two balls, and `cell` for one cell looked into, a ball costs in d
 // dimensions
 //   in its own level   3^d / 2 balls' tests (half of 3^d cells, p_l balls a cell) and (3^d + 1) / 2 cells;
-//   in a finer level k (2 r / s_k + 2)^d cells, p_k balls in each: their "top-down" method, and the direction in which `levels`
-//   asks.
+//   in a finer level k (2 r / s_k + 2)^d cells, p_k balls in each: their "top-down" method; `levels` plans the direction.
 // Source: the formulas as the authors' own program MercuryDPM works them out (its class HGridOptimiser). Its driver of the
 // paper's free cooling lists optima for power laws in two dimensions with `cell` = 0.3; tests/level_search_test.cpp finds those
 // same numbers. For three dimensions no value of `cell` is known to us: 0.3 is used there too.

@@ -1,8 +1,8 @@
 // levels, where balls are few and launches are most of the time: two kernels instead of four.
 //
 // A cell has room for a few balls, a bucket, so that filing is one pass: an atomicAdd gives a ball's place in its bucket, or says
-// that it is full, and the ball spills into a list that everyone asks. A ball asks its own level and every coarser one, where
-// levels.cu has it ask the finer ones: work is the same for all balls, and who asks is known before anything is filed.
+// that it is full, and the ball spills into a list that everyone asks. A ball asks its own level and every coarser
+// one: none waits for thousands of smaller ones, and who asks is known before anything is filed.
 //
 // Why no pair is lost or met twice: as in levels.cu, a box of half-width ri + R holds every partner's centre. Of two balls in one
 // level the one in the row before asks, in one row the one in the cell before, in one cell the one of the lower number; of two
@@ -59,14 +59,6 @@ struct Buckets {
     return first_slot[l] + (entry - g.first_entry) * capacity[l];
   }
 };
-
-struct Cell {
-  std::int32_t y, z, entry;
-};
-__device__ inline Cell cell_of(const LevelGrids& grids, const LevelGrid& g, const Ball& b) {
-  const std::int32_t y = cell_coordinate(b.y, grids.y0, g.inv_yz, g.ny), z = cell_coordinate(b.z, grids.z0, g.inv_yz, g.nz);
-  return {y, z, g.first_entry + (z * g.ny + y) * (g.nx + 1) + cell_coordinate(b.x, grids.x0, g.inv_x, g.nx)};
-}
 
 // One thread a ball. Clears what the next run counts by.
 __global__ void fill_buckets_kernel(BallsView in, const __grid_constant__ LevelGrids grids,
@@ -125,7 +117,7 @@ class Found {
     for (int k = hit_.first; k != end_; k += hit_.kStep) {
       const std::int32_t other = hit_[k];
       if (out_.form == OutputForm::pairs)
-        write_pair(out_, at++, number_ < other ? Pair{number_, other} : Pair{other, number_});
+        write_pair(out_, at++, ordered_pair(number_, other));
       else
         write_contact(out_, number_, other);
     }
@@ -152,16 +144,16 @@ struct Slots {
 };
 
 // 2^lane_bits threads a ball. What needs no other ball is done before the balls are filed.
-__global__ void search_buckets_kernel(BallsView in, const __grid_constant__ LevelGrids grids,
-                                      const __grid_constant__ Buckets buckets, int lane_bits,
-                                      const __grid_constant__ ContactsView out) {
+__global__ void __launch_bounds__(1024)
+    search_buckets_kernel(BallsView in, const __grid_constant__ LevelGrids grids, const __grid_constant__ Buckets buckets,
+                          int lane_bits, const __grid_constant__ ContactsView out) {
   const auto thread = static_cast<std::int32_t>(blockIdx.x * blockDim.x + threadIdx.x);
   const std::int32_t lanes = 1 << lane_bits, i = thread >> lane_bits;
   const bool real = i < in.n;
   Ball me{};
   if (real) me = in.data[i];
   const int own_level = real ? grids.level_of(me.r) : 0;
-  const Cell own = cell_of(grids, grids.level[own_level], me);
+  const LevelCell own = cell_of(grids, grids.level[own_level], me);
   // Rows of all levels asked are dealt in turn: where one's end, the next lane takes the next one's first.
   int level = own_level, lane = thread & (lanes - 1);
   const bool own_row = lane == 0;
@@ -267,8 +259,7 @@ class BucketedLevels : public Detector {
     rank_ = Buffer<std::int32_t>(n_, Place::device, stream);
     spilled_ = Buffer<std::int32_t>(n_, Place::device, stream);
     runs_ = Buffer<Runs>(1, Place::device, stream);
-    fill_async(count_, 0, stream);
-    fill_async(runs_, 0, stream);
+    reset(stream);
     Buckets& b = plan_.buckets;
     b.count = count_.data(), b.ball = ball_.data(), b.number = number_.data();
     b.rank = rank_.data(), b.spilled = spilled_.data(), b.runs = runs_.data();
@@ -279,9 +270,14 @@ class BucketedLevels : public Detector {
     if (in.n == 0) return clear_count(out, stream);
     stream.mark("fill");
     launch(stream, {blocks_for(in.n, threads_broad_), threads_broad_}, fill_buckets_kernel, in, plan_.grids, plan_.buckets, out);
-    stream.mark("search");
-    launch_after(overlaps_, stream, search_shape(in.n), search_buckets_kernel, in, plan_.grids, plan_.buckets, plan_.lane_bits,
-                 out);
+    try {
+      stream.mark("search");
+      launch_after(overlaps_, stream, search_shape(in.n), search_buckets_kernel, in, plan_.grids, plan_.buckets, plan_.lane_bits,
+                   out);
+    } catch (...) {  // nobody will clear these
+      reset(stream);
+      throw;
+    }
   }
 
   DetectorReport report(ContactsView out, Stream& stream) override { return report_output(out, stream); }
@@ -297,6 +293,11 @@ class BucketedLevels : public Detector {
  private:
   LaunchShape search_shape(std::int32_t n) const {
     return {blocks_for(std::int64_t{n} << plan_.lane_bits, threads_narrow_), threads_narrow_, Found::bytes(threads_narrow_)};
+  }
+
+  void reset(Stream& stream) {
+    fill_async(count_, 0, stream);
+    fill_async(runs_, 0, stream);
   }
 
   std::int32_t n_;

@@ -12,6 +12,8 @@ __device__ inline void write_slot(const ContactsView& out, std::int32_t i, std::
   if (k < out.row_capacity) out.slot[static_cast<std::int64_t>(k) * out.n + i] = j;
 }
 
+__device__ inline Pair ordered_pair(std::int32_t i, std::int32_t j) { return i < j ? Pair{i, j} : Pair{j, i}; }
+
 __device__ inline void write_pair(const ContactsView& out, std::int64_t at, Pair pair) {
   if (at < out.pair_capacity) out.pair[at] = pair;
 }
@@ -20,7 +22,7 @@ __device__ inline void write_pair(const ContactsView& out, std::int64_t at, Pair
 // balls' rows, or one in the pair list.
 __device__ inline void write_contact(const ContactsView& out, std::int32_t i, std::int32_t j) {
   if (out.form == OutputForm::pairs) {
-    write_pair(out, atomic_add(out.count, 1), i < j ? Pair{i, j} : Pair{j, i});
+    write_pair(out, atomic_add(out.count, 1), ordered_pair(i, j));
     return;
   }
   const std::int32_t k_i = atomicAdd(&out.length[i], 1);
@@ -55,7 +57,7 @@ struct ContactStage {
   __device__ void push(const ContactsView& out, std::int32_t i, std::int32_t j) {
     const std::int32_t k = atomicAdd(count, 1);
     if (k < capacity)
-      pair[k] = i < j ? Pair{i, j} : Pair{j, i};
+      pair[k] = ordered_pair(i, j);
     else
       write_contact(out, i, j);
   }

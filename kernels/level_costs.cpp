@@ -6,7 +6,7 @@
 namespace touchstone {
 namespace {
 
-// Where balls are many a ball asks its own level alone, and 8 threads share one that asks a finer level.
+// Where balls are many one thread asks a ball's own level or a coarser one, and 8 share the search of a finer one.
 constexpr int kFinerBitsOfMany = 3;
 
 // Below so many all searches together leave multiprocessors idle: each has as many threads as are of use.
@@ -39,9 +39,9 @@ ExpectedQuery expected_query(const PackingFacts& facts, double radius, double mo
   return {rows, balls * share};
 }
 
-double instructions(const ExpectedQuery& q, bool own, bool several) {
+double instructions(const ExpectedQuery& q, bool finer, bool several) {
   const LevelCosts& c = kLevelCosts;
-  return (own ? c.own : c.finer) + q.rows * c.row + q.tests * (several ? c.test_of_several : c.test);
+  return (finer ? c.finer : c.own) + q.rows * c.row + q.tests * (several ? c.test_of_several : c.test);
 }
 
 std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const LevelGrids& grids) {
@@ -70,7 +70,7 @@ LevelWork expected_work(const PackingFacts& facts, const LevelGrids& grids) {
     work.queries += share;
     work.rows += share * s.mean.rows;
     work.tests += share * s.mean.tests;
-    work.instructions += share * instructions(s.mean, !s.finer(), s.several);
+    work.instructions += share * instructions(s.mean, s.finer(), s.several);
   }
   return work;
 }
@@ -153,21 +153,14 @@ double expected_us(const PackingFacts& facts, const LevelGrids& grids) {
 }
 
 double expected_bucket_us(const PackingFacts& facts, const LevelGrids& grids) {
-  const std::vector<double> balls = balls_of_levels(facts, grids);
-  double levels = 0, tests = 0, most_levels = 0, most_tests = 0;
-  for (const auto& [radius, count] : facts.radii) {
-    const int own = grids.level_of(radius);
-    double tests_of_one = 0;
-    for (int l = own; l < grids.levels; ++l) {
-      const LevelGrid& g = grids.level[l];
-      tests_of_one += expected_query(facts, radius, g.radius, balls[l], 1.0 / g.inv_x, 1.0 / g.inv_yz, l == own).tests;
-    }
-    const double levels_of_one = grids.levels - own;
-    levels += count * levels_of_one, tests += count * tests_of_one;
-    most_levels = std::max(most_levels, levels_of_one), most_tests = std::max(most_tests, tests_of_one);
+  double levels = 0, tests = 0;
+  std::vector<double> levels_of(grids.levels, 0), tests_of(grids.levels, 0);  // the largest ball of each level
+  for (const ExpectedSearch& s : expected_searches(facts, grids)) {
+    levels += s.balls, tests += s.balls * s.mean.tests;
+    if (s.balls > 0) levels_of[s.asking] += 1, tests_of[s.asking] += s.largest.tests;
   }
   return BucketTime::kStartUs + BucketTime::kLevelUs * levels + BucketTime::kTestUs * tests +
-         BucketTime::kMostLevelsUs * most_levels + BucketTime::kMostTestsUs * most_tests;
+         BucketTime::kMostLevelsUs * std::ranges::max(levels_of) + BucketTime::kMostTestsUs * std::ranges::max(tests_of);
 }
 
 }  // namespace touchstone

@@ -26,14 +26,14 @@ struct ExpectedQuery {
 };
 ExpectedQuery expected_query(const PackingFacts& facts, double radius, double most, double balls, double x, double yz, bool own);
 
-// What a search costs, in instructions of a thread: once for a ball that asks its own level, or a finer one, where many threads
-// share it; for a row of cells; for a ball tested, in a level of one radius or of several.
+// What a search costs, in instructions of a thread: once for a ball that asks its own level or a coarser one, or a finer one,
+// where many threads share it; for a row of cells; for a ball tested, in a level of one radius or of several.
 struct LevelCosts {
   double own, finer, row, test, test_of_several;
 };
 inline constexpr LevelCosts kLevelCosts{200, 1000, 35, 14, 18};  // docs/levels.md, "Floors"
 
-double instructions(const ExpectedQuery& q, bool own, bool several);
+double instructions(const ExpectedQuery& q, bool finer, bool several);
 
 // What one ball's searches are expected to meet, in the mean over the balls the facts know; the terms of docs/theory.md for
 // levels, centres uniform in the box, and what plan_level_grids makes least.
@@ -63,8 +63,8 @@ std::vector<ExpectedSearch> expected_searches(const PackingFacts& facts, const L
 // 18,461 detections of 3,000 to 110,000 balls with levels, cells, threads and who asks drawn by lot (docs/level_choice.md; root
 // mean square error 8 %).
 struct SearchTime {
-  static constexpr std::int32_t kMostBalls = 1
-                                             << 17;  // from so many on all searches together decide, and no thread is waited for
+  // From so many on threads a ball are fixed, and bounds are moved only where finer levels ask.
+  static constexpr std::int32_t kMostBalls = 1 << 17;
   struct Ns {
     double query, row, test;
   };

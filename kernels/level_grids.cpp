@@ -128,7 +128,7 @@ LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, con
     const bool own = share < 1;
     const ExpectedQuery expected =
         expected_query(facts, radius, level.radius, level.balls, grown * x, grown * chosen.cell_yz, own);
-    return instructions(expected, own, !of_one_radius(facts, level));
+    return instructions(expected, !own, !of_one_radius(facts, level));
   };
   const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
     return with_direction(fewer_bins, grids_of(facts, rows_a_block, classes, chosen), chosen.asked_levels);
@@ -142,7 +142,11 @@ LevelGrids plan_bucket_grids(const PackingFacts& all_facts, const LevelChoice& c
   if (choice.cell_x == 0) chosen.cell_x = kBucket;
   if (choice.cell_yz == 0) chosen.cell_yz = kBucket;
   const PackingFacts facts = choice.bounds ? all_facts : with_fewer_bins(all_facts);
-  const auto to_grids = [&](const std::vector<RadiusClass>& classes) { return grids_of(facts, 1, classes, chosen); };
+  const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
+    LevelGrids grids = grids_of(facts, 1, classes, chosen);
+    grids.asked_from = 1;
+    return grids;
+  };
   if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
   return to_grids(faster_classes(facts, classes_between(facts, {}), [&](const std::vector<RadiusClass>& classes) {
     return expected_bucket_us(facts, to_grids(classes));

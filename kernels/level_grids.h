@@ -43,6 +43,15 @@ struct LevelGrids {
   }
 };
 
+// The cell of a level in which a ball's centre lies: in row (y, z), and its entry.
+struct LevelCell {
+  std::int32_t y, z, entry;
+};
+TOUCHSTONE_HD inline LevelCell cell_of(const LevelGrids& grids, const LevelGrid& g, const Ball& b) {
+  const std::int32_t y = cell_coordinate(b.y, grids.y0, g.inv_yz, g.ny), z = cell_coordinate(b.z, grids.z0, g.inv_yz, g.nz);
+  return {y, z, g.first_entry + (z * g.ny + y) * (g.nx + 1) + cell_coordinate(b.x, grids.x0, g.inv_x, g.nx)};
+}
+
 // One of the searches: balls of level `asking` against those of level `asked`, the same or another.
 struct LevelQuery {
   std::int32_t asking, asked;
@@ -68,8 +77,8 @@ struct LevelChoice {
   // So many of the coarsest levels are asked by finer ones, instead of asking them; -1: as planned. Where cells are buckets all
   // are.
   int asked_levels = -1;
-  // Threads a ball, 1, 2, 4 … 32: where the finest level asks itself, another level itself, a level another. Where cells are
-  // buckets the first is for all.
+  // Threads a ball, 1, 2, 4 … 32: of the finest level where it asks itself or a coarser one; of another level where it asks the
+  // same; of any where it asks a finer one. Where cells are buckets the first is for all.
   int lanes_finest = 0, lanes_own = 0, lanes_finer = 0;
 };
 

@@ -2,8 +2,8 @@
 // few in two others (bucketed_levels.h).
 //
 // Balls are counting-sorted into the cells of their levels (sorted_levels.h): count, give each row of cells its place, move. A
-// ball asks its own level for later balls, and of two levels the balls of one ask the other for all within reach, as planned: each
-// pair is met once. docs/levels.md: where the time goes, and what was tried.
+// ball asks its own level for later balls, and of two levels the balls of one ask the other for all within reach, as planned:
+// each pair is met once. docs/levels.md: where the time goes, and what was tried.
 //
 // Why no pair is lost: a ball asks the cells that the box about its centre with half-width ri + R overlaps, R the asked level's
 // largest radius; touchstone/grid.h shows that this holds every partner's centre on each axis by itself, so cells may be longer
@@ -173,8 +173,7 @@ __device__ inline Asking asking_at(const Ball* in, const LevelGrids& grids, cons
 
 // The pair that the ball of this number makes with what ask() found.
 __device__ inline Pair pair_of(std::int32_t number, const Asked& asked, const SortedLevelsView& index, std::int32_t found) {
-  const std::int32_t j = asked.grid.one_radius ? found : index.number[found];
-  return number < j ? Pair{number, j} : Pair{j, number};
+  return ordered_pair(number, asked.grid.one_radius ? found : index.number[found]);
 }
 
 // All threads of the block together, each with a ball that asks or without. Contacts of a block lie side by side, but for those
@@ -282,15 +281,18 @@ class Levels : public Detector {
 
   void detect(BallsView in, ContactsView out, Stream& stream) override {
     if (in.n == 0) return clear_count(out, stream);
+    filed_ = false;  // until all is done
     index_.build(in, out, stream);
-    filed_ = true;
     search(in, out, stream);
+    filed_ = true;
   }
 
   void update(BallsView in, ContactsView out, Stream& stream) override {
     if (in.n == 0 || !updates_ || !filed_) return detect(in, out, stream);
+    filed_ = false;
     index_.update(in, out, stream);
-    search(in, out, stream);
+    search(in, out, stream);  // which notes how far balls have moved
+    filed_ = true;
   }
 
   DetectorReport report(ContactsView out, Stream& stream) override { return report_output(out, stream); }

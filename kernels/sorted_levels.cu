@@ -24,13 +24,6 @@ __device__ inline Sourced take(const BallSource& source, std::int64_t k) {
   return {source.given[k], static_cast<std::int32_t>(k)};
 }
 
-__device__ inline std::int32_t row_of(const LevelGrids& grids, const LevelGrid& g, const Ball& b) {
-  return cell_coordinate(b.z, grids.z0, g.inv_yz, g.nz) * g.ny + cell_coordinate(b.y, grids.y0, g.inv_yz, g.ny);
-}
-__device__ inline std::int32_t entry_of(const LevelGrids& grids, const LevelGrid& g, const Ball& b) {
-  return g.first_entry + row_of(grids, g, b) * (g.nx + 1) + cell_coordinate(b.x, grids.x0, g.inv_x, g.nx);
-}
-
 // How far a ball may be from where it was filed: each step by its furthest ball, rounding included.
 __device__ inline float drift_now(const Drift& drift) { return pad(add(drift.before, drift.step)); }
 
@@ -91,7 +84,7 @@ __global__ void count_kernel(BallSource source, const __grid_constant__ LevelGri
     level[m] = grids.level_of(b[m].r);
     const LevelGrid& g = grids.level[level[m]];
     is_odd[m] = g.one_radius && b[m].r != g.radius;
-    rank[m] = atomicAdd(&index.count[entry_of(grids, g, b[m]) + 1], 1);  // on its way while levels are counted
+    rank[m] = atomicAdd(&index.count[cell_of(grids, g, b[m]).entry + 1], 1);  // on its way while levels are counted
   }
   __syncthreads();
   const bool leader = threadIdx.x % kWarpSize == 0;
@@ -203,16 +196,16 @@ __global__ void move_kernel(BallSource source, const __grid_constant__ LevelGrid
   if (k < source.n) s = take(source, k);
   const Ball& b = s.ball;
   const LevelGrid& g = grids.level[grids.level_of(b.r)];
-  const std::int32_t entry = entry_of(grids, g, b);
+  const LevelCell cell = cell_of(grids, g, b);
   wait_for_kernel_before();
   const bool refiles = files(index, always);
   if (k == 0) index.drift->now = refiles ? 0 : drift_now(*index.drift);
   if (refiles && k < grids.levels) index.counted[k] = index.odd[k] = index.taken[k] = 0;
   if (refiles && k < source.n) {
-    const std::int32_t place = index.start[entry] + index.rank[k];
+    const std::int32_t place = index.start[cell.entry] + index.rank[k];
     index.ball[place] = {b.x, b.y, b.z, g.one_radius ? s.number : __float_as_int(b.r)};
     if (!g.one_radius) index.number[place] = s.number;
-    if (index.row) index.row[place] = row_of(grids, g, b);
+    if (index.row) index.row[place] = cell.z * g.ny + cell.y;
   }
   // Not before: the search's blocks would crowd on the multiprocessors that have ended theirs (docs/levels.md).
   let_next_kernel_begin();
@@ -267,6 +260,10 @@ SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& para
   state_ = Buffer<LevelState>(kMostLevels, Place::device, stream);
   drift_ = Buffer<Drift>(1, Place::device, stream);
   if (large_) parted_ = std::make_unique<PartedBalls>(facts, stream);
+  reset(stream);
+}
+
+void SortedLevels::reset(Stream& stream) {
   if (!in_place_) fill_async(count_, 0, stream);
   fill_async(tally_, 0, stream);
   fill_async(drift_, 0, stream);
@@ -305,11 +302,16 @@ void SortedLevels::file(const BallSource& source, ContactsView out, bool always,
   const bool follows = !always;  // follow_kernel, of the same run
   launch_after(follows && overlaps_, stream, {blocks_for(n_, (large_ ? kCountedOfMany : 1) * threads_), threads_},
                large_ ? count_kernel<kCountedOfMany> : count_kernel<1>, source, grids_, index, out, always);
-  stream.mark("rows");
-  launch_after(overlaps_, stream, {blocks_for(grids_.rows, threads_ / kWarpSize), threads_}, rows_kernel, n_, grids_, index,
-               always);
-  stream.mark("move");
-  launch_after(overlaps_, stream, balls, move_kernel, source, grids_, index, always);
+  try {
+    stream.mark("rows");
+    launch_after(overlaps_, stream, {blocks_for(grids_.rows, threads_ / kWarpSize), threads_}, rows_kernel, n_, grids_, index,
+                 always);
+    stream.mark("move");
+    launch_after(overlaps_, stream, balls, move_kernel, source, grids_, index, always);
+  } catch (...) {  // nobody will clear what was counted
+    reset(stream);
+    throw;
+  }
 }
 
 void SortedLevels::build(BallsView in, ContactsView out, Stream& stream) {

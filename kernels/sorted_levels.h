@@ -80,6 +80,7 @@ class SortedLevels {
 
  private:
   void file(const BallSource& source, ContactsView out, bool always, Stream& stream);
+  void reset(Stream& stream);  // what kernels count by, as it is between two runs
 
   std::int32_t n_;
   int threads_;

@@ -39,7 +39,7 @@ struct Row {
 };
 std::ostream& operator<<(std::ostream& out, const Row& row) { return out << row.name(); }
 
-// `levels` as it is where balls are more than any of these packings has.
+// `levels` as it is beyond 8,192 balls, on the small packings too.
 const DetectorInfo& sorted_levels() {
   static const DetectorInfo row = [] {
     const auto all = gpu_detectors();
@@ -422,18 +422,27 @@ TEST_P(Each, StartsAfreshEachTime) {
   }
 }
 
-// A packing larger than the double could do, again and again: one set, one hash.
+// Packings larger than the double could do, again and again: one set, one hash. `levels` has other kernels for the first.
 TEST_P(Each, LargerPackingOneHash) {
   if (kDeviceIsDouble) GTEST_SKIP() << "for real devices";
   small_packings_detail::Random random(10);
-  const std::vector<Ball> balls = small_packings_detail::mixture(20000, 4, random);
   const DetectorInfo& reference = cpu_detectors().back();
-  const ContactList expected = contacts_of(reference, balls, {}, OutputForm::pairs);
-  ASSERT_GT(expected.count(), 20000);
   expect_exact(packing("mixture_c4"), {}, "warm-up");
-  for (OutputForm form : kForms)
-    for (int repeat = 0; repeat < 100; ++repeat)
-      ASSERT_EQ(contacts_of(info(), balls, {}, form).hash(), expected.hash()) << to_string(form) << ", run " << repeat;
+  for (const int n : {8000, 20000}) {
+    const std::vector<Ball> balls = small_packings_detail::mixture(n, 4, random);
+    const ContactList expected = contacts_of(reference, balls, {}, OutputForm::pairs);
+    ASSERT_GT(expected.count(), n);
+    for (OutputForm form : kForms) {
+      for (int repeat = 0; repeat < 100; ++repeat)
+        ASSERT_EQ(contacts_of(info(), balls, {}, form).hash(), expected.hash()) << to_string(form) << ", run " << repeat;
+      Stream stream(info().place);
+      const Detection d = detect_completely(info(), balls, facts_of(balls), {}, form, stream);
+      for (int repeat = 0; repeat < 100; ++repeat) {
+        d.detector->detect(d.input(), d.output->view(), stream);
+        ASSERT_EQ(d.output->download(stream).hash(), expected.hash()) << to_string(form) << ", of one detector, run " << repeat;
+      }
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Detectors, Each, testing::ValuesIn(rows()), [](const auto& test) { return test.param.name(); });

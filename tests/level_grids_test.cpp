@@ -147,6 +147,33 @@ TEST(LevelQueries, EachLevelAsksItselfAndOfTwoOneAsks) {
   EXPECT_GT(from_finer, 3);
 }
 
+TEST(BucketGrids, AreAskedByFinerBallsAndExpectedToBeFastest) {
+  for (const double cell_factor : {1.0, 4.0, 50.0}) {
+    const PackingFacts facts = facts_of(mixture(3000, cell_factor));
+    const LevelGrids planned = plan_bucket_grids(facts);
+    for (const ExpectedSearch& s : expected_searches(facts, planned)) EXPECT_FALSE(s.finer());
+    std::vector<std::vector<float>> tried{{}};
+    if (cell_factor > 1) tried.insert(tried.end(), {{facts.rmin}, {0.5f * facts.rmax}, {facts.rmin, 0.5f * facts.rmax}});
+    for (const std::vector<float>& bounds : tried)
+      EXPECT_LE(expected_bucket_us(facts, planned),
+                1.02 * expected_bucket_us(facts, plan_bucket_grids(facts, {.bounds = bounds})))
+          << "C = " << cell_factor << ", " << bounds.size() << " bounds";
+  }
+}
+
+// One ball that meets all others is waited for.
+TEST(BucketGrids, AreExpectedToWaitForTheirLargestBall) {
+  const std::vector<Ball> dust = mixture(3000, 1);
+  std::vector<Ball> with_giant = dust;
+  with_giant.back().r *= 20;
+  const auto us = [](const std::vector<Ball>& balls, const std::vector<float>& bounds) {
+    const PackingFacts facts = facts_of(balls);
+    return expected_bucket_us(facts, plan_bucket_grids(facts, {.bounds = bounds}));
+  };
+  EXPECT_GT(us(with_giant, {}), 1.2 * us(dust, {}));
+  EXPECT_LT(us(with_giant, {dust.front().r}), us(with_giant, {}));
+}
+
 // Every choice of threads a ball, tried.
 TEST(LevelQueries, HaveTheThreadsABallThatAreExpectedToBeFastest) {
   for (const double cell_factor : {1.0, 4.0, 20.0}) {
@@ -178,10 +205,14 @@ TEST(LevelQueries, HaveTheThreadsABallThatAreExpectedToBeFastest) {
 TEST(LevelQueries, ManyBallsHaveFewThreadsEach) {
   const PackingFacts facts = many_times(facts_of(mixture(20000, 4)), 3);
   ASSERT_GT(facts.n, 1 << 17);
-  const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
-  const LevelQueries queries = plan_level_queries(facts, grids, kThreads);
-  for (int k = 0; k < queries.count; ++k)
-    EXPECT_EQ(queries.query[k].lane_bits, queries.query[k].asked < queries.query[k].asking ? 3 : 0) << k;
+  for (const int asked_levels : {0, 1}) {
+    const LevelGrids grids = plan_level_grids(facts, kRowsABlock, {.asked_levels = asked_levels});
+    ASSERT_EQ(grids.levels, 2);
+    const LevelQueries queries = plan_level_queries(facts, grids, kThreads);
+    ASSERT_EQ(queries.count, 3);
+    for (int k = 0; k < queries.count; ++k)
+      EXPECT_EQ(queries.query[k].lane_bits, queries.query[k].asked < queries.query[k].asking ? 3 : 0) << k;
+  }
 }
 
 // ---- the cost model ----

@@ -37,6 +37,23 @@ class Bed {
 
   ContactList detect(const std::vector<Ball>& balls) { return run(balls, &Detector::detect); }
   ContactList update(const std::vector<Ball>& balls) { return run(balls, &Detector::update); }
+  using Way = void (Detector::*)(BallsView, ContactsView, Stream&);
+  // Fails before the kernels of this phase, if it has any. Returns whether it had.
+  bool fails(const std::vector<Ball>& balls, Way way, const std::string& before) {
+    struct Failure {};
+    bool failed = false;
+    stream_.listen([&](const char* phase) {
+      if (phase == before) throw Failure();
+    });
+    copy_async(balls_, std::span<const Ball>(balls), stream_);
+    try {
+      ((*detector_).*way)({balls_.data(), static_cast<std::int32_t>(balls.size())}, output_.view(), stream_);
+    } catch (const Failure&) {
+      failed = true;
+    }
+    stream_.listen({});
+    return failed;
+  }
   std::vector<Pair> pairs(std::int64_t count) { return download(output_.view().pair, count, stream_); }
   std::vector<std::int32_t> lengths() { return download(output_.view().length, balls_.size(), stream_); }
   std::vector<std::int32_t> slots() {
@@ -44,7 +61,7 @@ class Bed {
   }
 
  private:
-  ContactList run(const std::vector<Ball>& balls, void (Detector::*way)(BallsView, ContactsView, Stream&)) {
+  ContactList run(const std::vector<Ball>& balls, Way way) {
     copy_async(balls_, std::span<const Ball>(balls), stream_);
     ((*detector_).*way)({balls_.data(), static_cast<std::int32_t>(balls.size())}, output_.view(), stream_);
     EXPECT_TRUE(detector_->report(output_.view(), stream_).complete());
@@ -97,56 +114,77 @@ void shake(std::vector<Ball>& balls, double most, Random& random) {
 
 TEST_F(LevelsTest, UpdatesAreExactHoweverFarBallsMove) {
   Random random(11);
-  for (const double cell_factor : {1.0, 4.0}) {
-    std::vector<Ball> balls = small_packings_detail::mixture(300, cell_factor, random);
-    const float rmin = facts_of(balls).rmin;
-    for (const OutputForm form : {OutputForm::pairs, OutputForm::ball_lists}) {
-      Bed bed(balls, {.updates = true}, form, form == OutputForm::pairs ? 300 * 300 : 300);
-      int step = 0;
-      // The first update has nothing to go by; then many within the drift allowed, past it, and far beyond any cell.
-      for (const double most : {0.0, 0.03, 0.03, 0.02, 0.03, 0.2, 0.05, 0.0, 5.0, 0.09, 300.0, 0.01}) {
-        shake(balls, most * rmin, random);
-        const ContactDifference difference = compare(bed.update(balls), all_pairs(balls));
-        EXPECT_TRUE(difference.equal()) << "C = " << cell_factor << ", step " << step << ": " << difference.text();
-        ++step;
+  for (const double cell_factor : {1.0, 4.0})
+    for (const int asked_levels : {0, 7}) {
+      std::vector<Ball> balls = small_packings_detail::mixture(300, cell_factor, random);
+      const float rmin = facts_of(balls).rmin;
+      for (const OutputForm form : {OutputForm::pairs, OutputForm::ball_lists}) {
+        Bed bed(balls, {.updates = true, .choice = {.asked_levels = asked_levels}}, form,
+                form == OutputForm::pairs ? 300 * 300 : 300);
+        int step = 0;
+        // The first update has nothing to go by; then many within the drift allowed, past it, and far beyond any cell.
+        for (const double most : {0.0, 0.03, 0.03, 0.02, 0.03, 0.2, 0.05, 0.0, 5.0, 0.09, 300.0, 0.01}) {
+          shake(balls, most * rmin, random);
+          const ContactDifference difference = compare(bed.update(balls), all_pairs(balls));
+          EXPECT_TRUE(difference.equal()) << "C = " << cell_factor << ", " << asked_levels << " levels asked, step " << step
+                                          << ": " << difference.text();
+          ++step;
+        }
       }
     }
-  }
 }
 
 // Partners filed just out of reach, and moved into it: some stand in a cell beyond the box of a ball that does not know of drift.
+// In one level, and in two, of which either may ask.
 TEST_F(LevelsTest, UpdatesFindPartnersThatWereFiledOutOfReach) {
   Random random(18);
-  constexpr float kRadius = 0.0025f, kSpacing = 0.019f;
+  constexpr float kRadius = 0.0025f;
   const auto along = [](Ball& b, std::size_t k) -> float& { return k % 3 == 0 ? b.x : k % 3 == 1 ? b.y : b.z; };
-  std::vector<Ball> balls;
-  const auto offset = [&] { return random.between(0, 0.4 * kSpacing); };
-  for (std::size_t k = 0; k < 512; ++k) {
-    const Ball a{kSpacing * (k % 8) + offset(), kSpacing * (k / 8 % 8) + offset(), kSpacing * (k / 64) + offset(), kRadius};
-    Ball b = a;
-    along(b, k) += 2.07f * kRadius;
-    balls.insert(balls.end(), {a, b});
-  }
-  const LevelGrids grids = plan_level_grids(facts_of(balls), 2);
-  const LevelGrid& g = grids.level[0];
-  int beyond = 0;
-  for (std::size_t k = 0; k < balls.size(); k += 2) {
-    const auto cell = [&](float x) { return cell_coordinate(x, grids.x0, g.inv_x, g.nx); };
-    beyond += cell(balls[k + 1].x) > cell(balls[k].x + 2 * kRadius);
-  }
-  ASSERT_GT(beyond, 2) << "or this would test nothing";
+  for (const auto& [larger, asked_levels] : {std::pair{1.0f, 0}, {2.0f, 0}, {2.0f, 1}}) {
+    SCOPED_TRACE("radii 1 and " + std::to_string(larger) + ", " + std::to_string(asked_levels) + " levels asked");
+    std::vector<Ball> balls;
+    const float spacing = larger > 1 ? 0.028f : 0.019f;
+    const auto offset = [&] { return random.between(0, 0.4 * spacing); };
+    for (std::size_t k = 0; k < 512; ++k) {
+      const Ball a{spacing * (k % 8) + offset(), spacing * (k / 8 % 8) + offset(), spacing * (k / 64) + offset(), kRadius};
+      Ball b = a;
+      b.r = larger * kRadius;
+      along(b, k) += 1.07f * kRadius + b.r;
+      balls.insert(balls.end(), {a, b});
+    }
+    LevelChoice choice{.bounds = std::vector<float>{}, .asked_levels = asked_levels};
+    if (larger > 1) choice.bounds->push_back(kRadius);
+    const LevelGrids grids = plan_level_grids(facts_of(balls), 2, choice);
+    const bool second_asks = larger > 1 && asked_levels == 0;
+    const LevelGrid& g = grids.level[second_asks ? 0 : grids.levels - 1];  // the asked one
+    int beyond = 0;
+    for (std::size_t k = 0; k < balls.size(); k += 2) {
+      const auto cell = [&](float x) { return cell_coordinate(x, grids.x0, g.inv_x, g.nx); };
+      const Ball &a = balls[k], &b = balls[k + 1];
+      beyond += second_asks ? cell(a.x) < cell(b.x - (a.r + b.r)) : cell(b.x) > cell(a.x + (a.r + b.r));
+    }
+    ASSERT_GT(beyond, 2) << "or this would test nothing";
 
-  Bed bed(balls, {.updates = true}, OutputForm::pairs, 1000);
-  EXPECT_EQ(bed.detect(balls).count(), 0);
-  const auto approach = [&] {
-    for (std::size_t k = 0; k < balls.size() / 2; ++k) along(balls[2 * k + 1], k) -= 0.04f * kRadius;
-  };
-  approach();
-  EXPECT_EQ(bed.update(balls).count(), 0);
-  approach();  // steps add up
-  const ContactList expected = all_pairs(balls);
-  ASSERT_EQ(expected.count(), static_cast<std::int64_t>(balls.size() / 2));
-  EXPECT_EQ(compare(bed.update(balls), expected).text(), "equal");
+    Bed bed(balls, {.updates = true, .choice = choice}, OutputForm::pairs, 1000);
+    EXPECT_EQ(bed.detect(balls).count(), 0);
+    const auto approach = [&] {
+      for (std::size_t k = 0; k < balls.size() / 2; ++k) along(balls[2 * k + 1], k) -= 0.04f * kRadius;
+    };
+    const std::vector<Ball> apart = balls;
+    approach();
+    const std::vector<Ball> halfway = balls;
+    EXPECT_EQ(bed.update(halfway).count(), 0);
+    approach();  // steps add up
+    const ContactList expected = all_pairs(balls);
+    ASSERT_EQ(expected.count(), static_cast<std::int64_t>(balls.size() / 2));
+    EXPECT_EQ(compare(bed.update(balls), expected).text(), "equal");
+
+    // Those of a run that fails too.
+    Bed other(apart, {.updates = true, .choice = choice}, OutputForm::pairs, 1000);
+    EXPECT_EQ(other.detect(apart).count(), 0);
+    EXPECT_TRUE(other.fails(halfway, &Detector::update, "search"));
+    EXPECT_EQ(compare(other.update(balls), expected).text(), "equal");
+  }
 }
 
 TEST_F(LevelsTest, UpdatesFileAgainOnlyWhereOneMovedTooFar) {
@@ -174,7 +212,8 @@ TEST_F(LevelsTest, UpdatesFileAgainOnlyWhereOneMovedTooFar) {
 
 // ---- few balls ----
 
-// Most of the balls where construction saw few: their buckets hold 6 or 8, and the others spill.
+// Most of the balls where construction saw few: their buckets hold 7 to 9, and the others spill. Twice in a row, since counts are
+// two.
 TEST_F(LevelsTest, BallsThatSpillAreFoundOnce) {
   Random random(19);
   for (const double cell_factor : {1.0, 6.0}) {
@@ -189,7 +228,8 @@ TEST_F(LevelsTest, BallsThatSpillAreFoundOnce) {
       Bed bed(apart, {}, form, form == OutputForm::pairs ? 400 * 400 : 400);
       for (const std::uint64_t seed : {1, 2}) {
         set_order(seed);
-        EXPECT_EQ(compare(bed.detect(crowded), all_pairs(crowded)).text(), "equal") << "C = " << cell_factor;
+        for (int run = 0; run < 2; ++run)
+          EXPECT_EQ(compare(bed.detect(crowded), all_pairs(crowded)).text(), "equal") << "C = " << cell_factor << ", run " << run;
         EXPECT_EQ(compare(bed.detect(apart), all_pairs(apart)).text(), "equal") << "C = " << cell_factor << ", afterwards";
       }
     }
@@ -222,6 +262,31 @@ TEST_F(LevelsTest, FewBallsAreFiledInOneKernel) {
   EXPECT_EQ(kernels({.few_up_to = 99}), 4u);
   EXPECT_EQ(kernels({.updates = true}), 5u);
   EXPECT_EQ(kernels({.reproducible = true}), 4u);
+}
+
+// ---- runs cut short ----
+
+// A launch that fails leaves what was counted; here the host is stopped between two kernels. Balls move far in each step.
+TEST_F(LevelsTest, ARunThatFailsDoesNotSpoilTheNext) {
+  Random random(24);
+  std::vector<Ball> balls = small_packings_detail::mixture(300, 3, random);
+  const float rmin = facts_of(balls).rmin;
+  int failed = 0;
+  for (const LevelOptions& options :
+       {LevelOptions{}, LevelOptions{.few_up_to = 0}, LevelOptions{.large_from = 0}, LevelOptions{.updates = true}})
+    for (const char* phase : {"rows", "move", "search"}) {
+      Bed bed(balls, options, OutputForm::pairs, 300 * 300);
+      for (const Bed::Way way : {&Detector::update, &Detector::detect}) {
+        const std::vector<Ball> before = balls;
+        bed.update(before);
+        shake(balls, 2 * rmin, random);
+        failed += bed.fails(balls, way, phase);
+        EXPECT_EQ(compare(bed.update(before), all_pairs(before)).text(), "equal") << "after a failure before " << phase;
+        failed += bed.fails(balls, way, phase);
+        EXPECT_EQ(compare(bed.update(balls), all_pairs(balls)).text(), "equal") << "after a failure before " << phase;
+      }
+    }
+  EXPECT_EQ(failed, 2 * 2 * (1 + 3 + 3 + 3));
 }
 
 // ---- large packings ----
