@@ -16,6 +16,7 @@ ContactStorage::ContactStorage(Place place, OutputForm form, std::int32_t n, std
   } else {
     length_ = Buffer<std::int32_t>(n, place, stream);
     slot_ = Buffer<std::int32_t>(static_cast<std::size_t>(capacity) * n, place, stream);
+    fill_async(slot_, 0, stream);  // download() copies all of them, also those that no contact was written to
   }
 }
 
