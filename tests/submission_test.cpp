@@ -109,7 +109,7 @@ TEST(Submission, AMissingOrMistypedFieldIsNamed) {
 
 // A tiled packing is named after its base, and how many balls the tiles hold.
 TEST(Submission, TiledPackingsAreCheckedLikeOthers) {
-  const json file = parse_strict_json(file_text(kSource / "results" / kFolder / "trial/scale.json"), "trial/scale.json");
+  const json file = parse_strict_json(file_text(kSource / "results" / kFolder / "scale.json"), "scale.json");
   std::vector<json> entries;
   for (const json& e : file["benchmarks"])
     if (e["case"]["packing"] == "c1_n50000_tiled10000000" && e["case"]["order"] == "shuffled" &&

@@ -1,4 +1,6 @@
 // How the time a ball depends on the spread of radii: C = rmax/rmin from 1 to 100, three distributions.
+#include <fmt/format.h>
+
 #include <span>
 
 #include "bench/detectors.h"
@@ -34,6 +36,11 @@ bool takes_part(const DetectorInfo& info, const PackingSpec& spec) {
   return info.name != "all_pairs" && (on_gpu(info) || spec.n < kManyBalls || info.name == "parallel_levels");
 }
 
+// Of 10^6 balls at C = 100 most lie in 27 cells of 2 rmax. On an H100 seven minutes did not tune fixed_bucket there.
+bool asks_nearly_all(const DetectorInfo& info, const PackingSpec& spec) {
+  return info.least_cell_rmax > 0 && spec.n >= kManyBalls && spec.cell_factor > 1;
+}
+
 }  // namespace
 
 // Cells and threads are tuned for every C and mix by itself, since a detector that is to be slow at C = 100 should be so at its
@@ -47,6 +54,9 @@ std::vector<Case> plan_polydispersity(Profile profile) {
       c.output = OutputForm::pairs;
       if (on_gpu(*info)) c.launch = Launch::graph;
       c.budget_s = kSeconds;
+      if (asks_nearly_all(*info, spec))
+        c.left_out = fmt::format("time: {} has cells of 2 rmax at least, which at C = {:g} and {} balls hold too many",
+                                 info->label(), spec.cell_factor, spec.n);
       cases.push_back(c);
     }
   return cases;
