@@ -214,7 +214,8 @@ __device__ inline void write_as_found(const Ball* in, const LevelGrids& grids, c
     const Staged one = lists.staged(k);
     write_pair(out, taken.first + k, pair_of(one.number, asked, index, one.found));
   }
-  __syncwarp();  // before the next ball's ranges are written there
+  // What a thread has read there lies where its own next ranges will, so that it need not wait for others.
+  static_assert(sizeof(Staged) == sizeof(Places));
 }
 
 enum class Write {

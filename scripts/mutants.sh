@@ -1,6 +1,6 @@
 #!/bin/sh
-# Does the detector suite notice defects? Each file of tests/mutants takes one barrier or one check out of a kernel; a copy of the
-# tree is built with it under the sanitizer it names, and the suite must fail, saying why. First the suite must pass on the copy as
+# Do the tests notice defects? Each file of tests/mutants takes one barrier or one check out of a kernel; a copy of the tree is
+# built with it under the sanitizer it names (or none), and the detector suite, or the tests it names, must fail, saying why. First the suite must pass on the copy as
 # it is: a suite that fails anyway notices nothing. Run by hand: about a minute a mutant.
 #   scripts/mutants.sh [NAME…]     the mutants named, all by default; exit 1 if one was missed or could not be judged
 # TOUCHSTONE_MUTANTS: folder of the copy and its builds (default build/mutants)
@@ -18,16 +18,23 @@ mkdir -p "$work/tree"
   cp "$root/$file" "$work/tree/$file"
 done
 
-field() {  # of the mutant $name: what, file, build (a sanitizer), detector
+field() {  # of the mutant $name: what, file, build (a sanitizer, or none), and detector or test
   sed -n "s/^# $1: //p" "$root/tests/mutants/$name.sed"
 }
-build() {  # sanitizer
-  [ -f "$work/$1/build.ninja" ] || cmake -S "$work/tree" -B "$work/$1" -G Ninja -DTOUCHSTONE_SANITIZE="$1" >"$work/$1.log" 2>&1
-  ninja -C "$work/$1" -j"$jobs" detectors_test >>"$work/$1.log" 2>&1
+judges() {  # of the mutant $name: the program that judges it, and which of its tests
+  detector=$(field detector)
+  if [ -n "$detector" ]; then
+    echo "detectors_test */${detector}_on_mixture_c4:*/${detector}_on_clusters:Detectors/Each.*/$detector"
+  else
+    field test
+  fi
 }
-suite() {  # sanitizer, detector; what it says goes to $log
-  timeout 600 "$work/$1/tests/detectors_test" --gtest_filter="*/$2_on_mixture_c4:*/$2_on_clusters:Detectors/Each.*/$2" \
-    --gtest_brief=1 >"$log" 2>&1
+build() {  # sanitizer, program
+  [ -f "$work/$1/build.ninja" ] || cmake -S "$work/tree" -B "$work/$1" -G Ninja -DTOUCHSTONE_SANITIZE="${1#none}" >"$work/$1.log" 2>&1
+  ninja -C "$work/$1" -j"$jobs" "$2" >>"$work/$1.log" 2>&1
+}
+suite() {  # sanitizer, program, filter; what it says goes to $log
+  timeout 600 "$work/$1/tests/$2" --gtest_filter="$3" --gtest_brief=1 >"$log" 2>&1
 }
 # What the suite or the sanitizer says was wrong; empty if nothing. A SEGV counts where it is in a kernel: one that goes on without
 # a barrier takes the poison of unwritten shared memory for a ball's number.
@@ -42,36 +49,37 @@ reason() {
   fi
 }
 
-# Control: each pair of sanitizer and detector that a mutant names, on the tree as it is. At least one test must have run.
+# Control: each set of tests that judges a mutant, with its sanitizer, on the tree as it is. At least one test must have run.
 for name in "$@"; do
   [ -f "$root/tests/mutants/$name.sed" ] || { echo "mutants: no tests/mutants/$name.sed" >&2; exit 2; }
-  echo "$(field build) $(field detector)"
+  echo "$(field build) $(judges)"
 done | sort -u >"$work/controls"
-while read -r sanitizer detector; do
+while read -r sanitizer program filter; do
   mkdir -p "$work/$sanitizer"
-  build "$sanitizer" || { echo "mutants: the tree does not build unchanged: see $work/$sanitizer.log" >&2; exit 1; }
+  build "$sanitizer" "$program" || { echo "mutants: the tree does not build unchanged: see $work/$sanitizer.log" >&2; exit 1; }
   code=0 log=$work/suite.log
-  suite "$sanitizer" "$detector" || code=$?
+  suite "$sanitizer" "$program" "$filter" || code=$?
   if [ $code -ne 0 ] || ! grep -qE '^\[  PASSED  \] [1-9]' "$log"; then
-    echo "mutants: $detector under $sanitizer does not pass unchanged (exit code $code): see $log" >&2
+    echo "mutants: $program $filter under $sanitizer does not pass unchanged (exit code $code): see $log" >&2
     exit 1
   fi
-  printf '%-18s %-8s %s\n' "(unchanged)" "$sanitizer" "$detector passes"
+  printf '%-18s %-8s %s\n' "(unchanged)" "$sanitizer" "$filter passes"
 done <"$work/controls"
 
 missed=0
 for name in "$@"; do
-  file=$(field file) sanitizer=$(field build) detector=$(field detector)
+  file=$(field file) sanitizer=$(field build) judged_by=$(judges)
+  program=${judged_by%% *} filter=${judged_by#* }
   cp "$root/$file" "$work/tree/$file"
   sed -i -f "$root/tests/mutants/$name.sed" "$work/tree/$file"
   verdict=""
   if cmp -s "$root/$file" "$work/tree/$file"; then
     verdict="STALE: it changes nothing in $file"
-  elif ! build "$sanitizer"; then
+  elif ! build "$sanitizer" "$program"; then
     verdict="DOES NOT BUILD: see $work/$sanitizer.log"
   else
     code=0 log=$work/$name.log
-    suite "$sanitizer" "$detector" || code=$?
+    suite "$sanitizer" "$program" "$filter" || code=$?
     case $code in
       0) verdict="MISSED" ;;
       124) verdict="NOT JUDGED: the suite took more than ten minutes" ;;

@@ -264,7 +264,29 @@ TEST_F(LevelsTest, FewBallsAreFiledInOneKernel) {
   EXPECT_EQ(kernels({.reproducible = true}), 4u);
 }
 
-// ---- runs cut short ----
+// ---- more balls than known ----
+
+// A level that construction saw ten balls in and now holds all: its blocks take several turns.
+TEST_F(LevelsTest, MoreBallsThanALevelWasPlannedForAreFound) {
+  constexpr float kRadius = 0.003f;
+  std::vector<Ball> known;
+  for (int k = 0; k < 343; ++k) {
+    const auto along = [](int cells) { return 1.9f * kRadius * static_cast<float>(cells); };
+    known.push_back({along(k % 7), along(k / 7 % 7), along(k / 49), k % 35 == 0 ? kRadius : kRadius / 3});
+  }
+  std::vector<Ball> grown = known;
+  for (Ball& b : grown) b.r = kRadius;
+  const LevelChoice choice{.bounds = std::vector<float>{kRadius / 3}};
+  for (const OutputForm form : {OutputForm::pairs, OutputForm::ball_lists}) {
+    Bed bed(known, {.few_up_to = 0, .choice = choice}, form, form == OutputForm::pairs ? 2000 : 10);
+    EXPECT_EQ(compare(bed.detect(known), all_pairs(known)).text(), "equal");
+    const ContactList expected = all_pairs(grown);
+    ASSERT_EQ(expected.count(), 3 * 7 * 7 * 6);
+    EXPECT_EQ(compare(bed.detect(grown), expected).text(), "equal");
+  }
+}
+
+// ---- runs that fail ----
 
 // A launch that fails leaves what was counted; here the host is stopped between two kernels. Balls move far in each step.
 TEST_F(LevelsTest, ARunThatFailsDoesNotSpoilTheNext) {
