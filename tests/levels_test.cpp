@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "kernels/detection.h"
@@ -99,6 +100,33 @@ TEST_F(LevelsTest, ReproducibleListsAreAscendingInEveryRun) {
       for (std::int32_t i = 0; i < n; ++i)
         for (std::int32_t k = 1; k < length[i]; ++k)
           ASSERT_LT(slot[std::int64_t{k - 1} * n + i], slot[std::int64_t{k} * n + i]) << "ball " << i << ", entry " << k;
+    }
+  }
+}
+
+// A ball that touches so many others: its row, of any length, is sorted by one thread or by many.
+TEST_F(LevelsTest, ReproducibleRowsOfAnyLengthAreAscending) {
+  Random random(25);
+  for (const std::int32_t others : {1, 23, 24, 25, 26, 31, 32, 33, 48, 63, 64, 65, 100, 128, 129, 300}) {
+    std::vector<Ball> balls{{0, 0, 0, 1}};
+    while (std::ssize(balls) <= others) {
+      const double z = random.between(-1, 1), angle = random.between(0, 6.28), across = std::sqrt(1 - z * z);
+      balls.push_back({static_cast<float>(across * std::cos(angle)), static_cast<float>(across * std::sin(angle)),
+                       static_cast<float>(z), 1e-4f});
+    }
+    const std::vector<Pair> expected = all_pairs(balls).pairs;
+    ASSERT_GE(std::ssize(expected), others);
+    Bed in_pairs(balls, {.reproducible = true}, OutputForm::pairs, static_cast<std::int64_t>(expected.size()));
+    Bed in_rows(balls, {.reproducible = true}, OutputForm::ball_lists, others);
+    for (const std::uint64_t seed : {1, 2}) {
+      set_order(seed);
+      in_pairs.detect(balls);
+      EXPECT_EQ(in_pairs.pairs(expected.size()), expected) << others << " others";
+      in_rows.detect(balls);
+      const std::vector<std::int32_t> length = in_rows.lengths(), slot = in_rows.slots();
+      ASSERT_EQ(length[0], others);
+      for (std::int32_t k = 0; k < others; ++k)
+        ASSERT_EQ(slot[std::int64_t{k} * std::ssize(balls)], k + 1) << others << " others";
     }
   }
 }
