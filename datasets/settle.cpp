@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "datasets/bed.h"
 #include "datasets/radii.h"
@@ -51,20 +52,22 @@ Plan make_plan(const PackingSpec& spec, const std::vector<float>& radii, const S
   return plan;
 }
 
-// Tells progress at most ten times a second. Most beds rest after about half a second of their own time.
+// Tells progress when another part of the work begins, and at most ten times a second within one. Most beds rest after about half
+// a second of their own time.
 class Ticker {
  public:
   explicit Ticker(const Progress& progress) : progress_(progress) {}
   void operator()(double share, std::string_view what) {
     const auto now = std::chrono::steady_clock::now();
-    if (!progress_ || now - last_ < std::chrono::milliseconds(100)) return;
-    last_ = now;
+    if (!progress_ || (what == what_ && now - last_ < std::chrono::milliseconds(100))) return;
+    last_ = now, what_ = what;
     progress_(share, what);
   }
 
  private:
   const Progress& progress_;
   std::chrono::steady_clock::time_point last_{};
+  std::string what_;
 };
 
 // Steps with drag until the bed rests and its floor carries it, then lets the last balls down, until each touches what holds it

@@ -101,8 +101,8 @@ TEST(Settle, AnotherSeedIsAnotherPacking) {
 TEST(Settle, CanBeInterrupted) {
   SettledState state;
   EXPECT_THROW(settle(settled().spec, state,
-                      [](double share, std::string_view) {
-                        if (share > 0.2) throw Interrupted();
+                      [](double, std::string_view what) {
+                        if (what == "settling") throw Interrupted();
                       }),
                Interrupted);
 }
