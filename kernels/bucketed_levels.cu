@@ -1,8 +1,8 @@
 // levels, where balls are few and launches are most of the time: two kernels instead of four.
 //
 // A cell has room for a few balls, a bucket, so that filing is one pass: an atomicAdd gives a ball's place in its bucket, or says
-// that it is full, and the ball spills into a list that everyone asks. A ball asks its own level and every coarser
-// one: none waits for thousands of smaller ones, and who asks is known before anything is filed.
+// that it is full, and the ball spills into a list that everyone asks. A ball asks its own level and every coarser one:
+// none waits for thousands of smaller ones, and who asks is known before anything is filed.
 //
 // Why no pair is lost or met twice: as in levels.cu, a box of half-width ri + R holds every partner's centre. Of two balls in one
 // level the one in the row before asks, in one row the one in the cell before, in one cell the one of the lower number; of two

@@ -66,7 +66,8 @@ constexpr DetectorInfo kGpuDetectors[] = {
      .bytes = bytes_of_sorted_grid},
     {.name = "levels",
      .layout = "",
-     .summary = "levels by radius, each with its own grid; counting sort by rows, buckets where balls are few; any radii, cells of its own choice",
+     .summary = "levels by radius, each with its own grid; counting sort by rows, buckets where balls are few; any radii, "
+                "cells of its own choice",
      .place = Place::device,
      .free_cell = false,
      .least_cell_rmax = 0,

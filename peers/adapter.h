@@ -3,6 +3,7 @@
 
 #include <cooperative_groups.h>
 
+#include "kernels/contact_writer.h"
 #include "kernels/detection.h"
 #include "touchstone/contact.h"
 #include "touchstone/detector.h"
@@ -20,7 +21,7 @@ __device__ inline void append_if_in_contact(const ContactsView& out, const Ball&
   if (writers.thread_rank() == 0)
     at = atomicAdd(reinterpret_cast<unsigned long long*>(out.count), static_cast<unsigned long long>(writers.size()));
   at = writers.shfl(at, 0) + writers.thread_rank();
-  if (at < static_cast<unsigned long long>(out.pair_capacity)) out.pair[at] = i < j ? Pair{i, j} : Pair{j, i};
+  write_pair(out, static_cast<std::int64_t>(at), ordered_pair(i, j));
 }
 
 // Libraries find candidates with their own rounding: of boxes, of squares, of roots. Asked with radii larger by this, they find

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Do the tests notice defects? Each file of tests/mutants takes one barrier or one check out of a kernel; a copy of the tree is
-# built with it under the sanitizer it names (or none), and the detector suite, or the tests it names, must fail, saying why. First the suite must pass on the copy as
-# it is: a suite that fails anyway notices nothing. Run by hand: about a minute a mutant.
+# built with it under the sanitizer it names (or none), and the detector suite, or the tests it names, must fail, saying why. First
+# these must pass on the copy as it is: tests that fail anyway notice nothing. Run by hand: about a minute a mutant.
 #   scripts/mutants.sh [NAME…]     the mutants named, all by default; exit 1 if one was missed or could not be judged
 # TOUCHSTONE_MUTANTS: folder of the copy and its builds (default build/mutants)
 set -eu

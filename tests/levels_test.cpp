@@ -36,9 +36,10 @@ class Bed {
         balls_(balls.size(), Place::device, stream_),
         output_(Place::device, form, static_cast<std::int32_t>(balls.size()), capacity, stream_) {}
 
-  ContactList detect(const std::vector<Ball>& balls) { return run(balls, &Detector::detect); }
-  ContactList update(const std::vector<Ball>& balls) { return run(balls, &Detector::update); }
   using Way = void (Detector::*)(BallsView, ContactsView, Stream&);
+
+  ContactList detect(const std::vector<Ball>& balls) { return complete(balls, &Detector::detect); }
+  ContactList update(const std::vector<Ball>& balls) { return complete(balls, &Detector::update); }
   // Fails before the kernels of this phase, if it has any. Returns whether it had.
   bool fails(const std::vector<Ball>& balls, Way way, const std::string& before) {
     struct Failure {};
@@ -46,9 +47,8 @@ class Bed {
     stream_.listen([&](const char* phase) {
       if (phase == before) throw Failure();
     });
-    copy_async(balls_, std::span<const Ball>(balls), stream_);
     try {
-      ((*detector_).*way)({balls_.data(), static_cast<std::int32_t>(balls.size())}, output_.view(), stream_);
+      run(balls, way);
     } catch (const Failure&) {
       failed = true;
     }
@@ -62,9 +62,12 @@ class Bed {
   }
 
  private:
-  ContactList run(const std::vector<Ball>& balls, Way way) {
+  void run(const std::vector<Ball>& balls, Way way) {
     copy_async(balls_, std::span<const Ball>(balls), stream_);
     ((*detector_).*way)({balls_.data(), static_cast<std::int32_t>(balls.size())}, output_.view(), stream_);
+  }
+  ContactList complete(const std::vector<Ball>& balls, Way way) {
+    run(balls, way);
     EXPECT_TRUE(detector_->report(output_.view(), stream_).complete());
     return output_.download(stream_);
   }
