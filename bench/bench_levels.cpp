@@ -61,7 +61,8 @@ Packing packing_of(const PackingSpec& spec) {
 
 // The plan in words of a choice.
 LevelChoice plan_of(const PackingFacts& facts) {
-  const LevelGrids grids = plan_level_grids(facts, level_threads(facts.n).broad / 32);
+  const LevelChoice cells = cells_for(facts.n, facts, LevelOptions{}.large_from);
+  const LevelGrids grids = plan_level_grids(facts, level_threads(facts.n).broad / 32, cells);
   LevelChoice plan;
   plan.bounds.emplace();
   for (int l = 0; l + 1 < grids.levels; ++l) plan.bounds->push_back(grids.level[l].radius);

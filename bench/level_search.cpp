@@ -11,7 +11,7 @@ namespace touchstone {
 namespace {
 
 constexpr std::size_t kCandidates = 12;
-constexpr double kCellsX[] = {0.7, 1, 1.4, 2}, kCellsYZ[] = {1.4, 2, 2.8}, kCellsABall[] = {1, 4, 16};
+constexpr double kCellsX[] = {0.7, 1, 1.4, 2}, kCellsYZ[] = {1.4, 2, 2.8}, kCellsABall[] = {0.25, 0.5, 1, 4, 16};
 constexpr std::size_t kBoundsKept = 6, kCellsKept = 4;
 constexpr int kLanes[] = {1, 2, 4, 8, 16, 32};
 

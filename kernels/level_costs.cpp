@@ -110,9 +110,10 @@ double search_us(const std::vector<ExpectedSearch>& searches, const std::vector<
 }
 
 // Threads a ball that are tried: no more than there are rows. Fewer than 16 were never faster where a level of equal balls is
-// asked from a coarser one, and more than make 2^16 threads not where such a level asks itself; the fit does not see either.
+// asked from a coarser one. Where such a level asks itself, more than make 2^16 threads were not, nor, of more than 8,192 balls,
+// eight a ball. The fit sees none of these.
 std::pair<int, int> lane_bits_allowed(const ExpectedSearch& s) {
-  int most = s.finer() ? 5 : 3;
+  int most = s.finer() ? 5 : s.several || s.balls < kFewBalls ? 3 : 2;
   while (most > 0 && (1 << (most - 1)) >= (s.finer() ? s.largest.rows : s.mean.rows)) --most;
   if (s.finer()) return {std::min(s.several ? 2 : 4, most), most};
   while (!s.several && most > 0 && std::ldexp(s.balls, most - 1) >= 1 << 16) --most;

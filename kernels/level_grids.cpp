@@ -21,9 +21,13 @@ constexpr double kBucket = 1.4;  // along each axis, where cells are buckets
 // What a choice by hand may be: cells in radii; cells a ball.
 constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMostCellsABall = 1000;
 
+// Where balls of several radii are many, and in large packings, where bytes count.
+constexpr std::int64_t kManyBalls = 1 << 18;
+constexpr double kCellsABall = 4, kCellsABallOfMany = 2, kCellsABallOfLarge = 1.4, kCellXOfLarge = 2;
+
 // A level has no more entries than this, far outliers or not, and an index of all levels fits 32 bits: past some 500 million
 // balls each level has its share of those.
-constexpr double kCellsABall = 4, kMostEntries = 2.147e9;
+constexpr double kMostEntries = 2.147e9;
 double most_entries(double balls, double of_balls, double cells_a_ball) {
   return std::min(cells_a_ball * balls, kMostEntries * balls / of_balls) + 64;
 }
@@ -118,6 +122,13 @@ LevelChoice completed(LevelChoice choice) {
 }
 
 }  // namespace
+
+LevelChoice cells_for(std::int64_t n, const PackingFacts& like, std::int64_t large_from, LevelChoice choice) {
+  const bool large = n >= large_from, many = n >= kManyBalls && like.rmin < like.rmax;
+  if (large && choice.cell_x == 0) choice.cell_x = kCellXOfLarge;
+  if ((large || many) && choice.cells_a_ball == 0) choice.cells_a_ball = large ? kCellsABallOfLarge : kCellsABallOfMany;
+  return choice;
+}
 
 LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, const LevelChoice& choice) {
   const LevelChoice chosen = completed(choice);

@@ -82,6 +82,10 @@ struct LevelChoice {
   int lanes_finest = 0, lanes_own = 0, lanes_finer = 0;
 };
 
+// The choice for n balls packed as those of `like`, with fewer cells where it leaves them open and balls are many, since there
+// cells take their share of the cache; from large_from on, of the memory's bytes too (docs/levels.md, "Large packings").
+LevelChoice cells_for(std::int64_t n, const PackingFacts& like, std::int64_t large_from, LevelChoice choice = {});
+
 // Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic. Throws InputError
 // for a choice that is none: which, and what would do.
 LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});

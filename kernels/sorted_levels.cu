@@ -217,13 +217,6 @@ bool any_of_several_radii(const LevelGrids& grids) {
   return false;
 }
 
-// Large packings are bound by bytes: half as many cells there.
-LevelChoice choice_for(std::int64_t n, const LevelOptions& options) {
-  LevelChoice choice = options.choice;
-  if (choice.cell_x == 0 && n >= options.large_from) choice.cell_x = 2;
-  return choice;
-}
-
 // An update that files nothing must find the starts as they were: it keeps the counts apart.
 bool counts_in_place(std::int64_t n, const LevelOptions& options) { return n >= options.large_from && !options.updates; }
 
@@ -244,7 +237,7 @@ Room room_of(const ContactsView& out) {
 SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
     : n_(facts.n), threads_(threads_or("levels", params.threads_broad, level_threads(facts.n).broad)), options_(options) {
   if (n_ == 0) return;
-  grids_ = plan_level_grids(facts, threads_ / kWarpSize, choice_for(n_, options));
+  grids_ = plan_level_grids(facts, threads_ / kWarpSize, cells_for(n_, facts, options.large_from, options.choice));
   large_ = n_ >= options.large_from;
   in_place_ = counts_in_place(n_, options);
   require_memory("levels", grids_.entries, bytes(), "use fewer balls");
@@ -275,7 +268,7 @@ std::int64_t SortedLevels::bytes() const {
 
 std::int64_t SortedLevels::bytes_for(std::int64_t n, const PackingFacts& like, const LevelOptions& options) {
   if (n == 0 || like.n == 0) return 0;
-  const LevelGrids grids = plan_level_grids(like, 1, choice_for(n, options));
+  const LevelGrids grids = plan_level_grids(like, 1, cells_for(n, like, options.large_from, options.choice));
   const double entries = static_cast<double>(grids.entries) * static_cast<double>(n) / like.n;
   return memory_of(n, std::llround(entries), any_of_several_radii(grids), options);
 }

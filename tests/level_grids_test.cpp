@@ -532,6 +532,31 @@ TEST(LevelChoice, IsWhatTheGridsAreMadeOf) {
   }
 }
 
+TEST(LevelChoice, HasFewerCellsWhereBallsAreMany) {
+  const PackingFacts several = facts_of(mixture(20000, 4)), equal = facts_of(mixture(20000, 1));
+  constexpr std::int64_t kMany = 1 << 18, kLarge = 1 << 21;
+  const auto entries = [](const PackingFacts& facts, std::int64_t n, const LevelChoice& choice = {}) {
+    return plan_level_grids(facts, 8, cells_for(n, facts, kLarge, choice)).entries;
+  };
+  EXPECT_EQ(entries(several, kMany - 1), plan_level_grids(several, 8).entries);
+  EXPECT_LT(entries(several, kMany), entries(several, kMany - 1));
+  EXPECT_LT(entries(several, kLarge), entries(several, kLarge - 1));
+  EXPECT_LE(entries(several, kLarge), 1.4 * several.n + 64 * LevelGrids::kMost);
+  EXPECT_EQ(entries(equal, kLarge - 1), plan_level_grids(equal, 8).entries) << "which are few enough";
+  EXPECT_LT(entries(equal, kLarge), entries(equal, kLarge - 1));
+  const LevelChoice by_hand{.cell_x = 1, .cells_a_ball = 4};
+  EXPECT_EQ(entries(several, kLarge, by_hand), plan_level_grids(several, 8, by_hand).entries);
+}
+
+TEST(LevelQueries, OfEqualBallsThatAreNotFewHaveFourThreadsAtMost) {
+  for (const int n : {8000, 10000, 16000}) {
+    const PackingFacts facts = facts_of(mixture(n, 1));
+    const LevelQueries queries = plan_level_queries(facts, plan_level_grids(facts, 4), 32);
+    ASSERT_EQ(queries.count, 1);
+    EXPECT_EQ(queries.query[0].lane_bits, n < 8192 ? 3 : 2) << n;
+  }
+}
+
 TEST(LevelChoice, OfThePlansOwnBoundsIsThePlan) {
   small_packings_detail::Random random(22);
   const PackingFacts facts = facts_of(small_packings_detail::wide(20000, 50, random));
