@@ -532,6 +532,19 @@ TEST(LevelChoice, IsWhatTheGridsAreMadeOf) {
   }
 }
 
+TEST(LevelGrids, HaveNoRowThatAWarpWouldScanForLong) {
+  std::vector<Ball> line;
+  for (int k = 0; k < 100000; ++k) line.push_back({0.005f * static_cast<float>(k), 0, 0, k % 10 ? 0.0025f : 0.005f});
+  const PackingFacts facts = facts_of(line);
+  const LevelGrids grids = plan_level_grids(facts, 8);
+  const std::vector<double> balls = balls_of_levels(facts, grids);
+  for (int l = 0; l < grids.levels; ++l) {
+    EXPECT_EQ(grids.level[l].rows(), 1);
+    EXPECT_LE(grids.level[l].nx, std::max(8192.0, balls[l] / 8) + 1);
+    EXPECT_GT(grids.level[l].nx, std::min(8192.0, balls[l] / 8)) << "nor a crowd in each cell";
+  }
+}
+
 TEST(LevelChoice, HasFewerCellsWhereBallsAreMany) {
   const PackingFacts several = facts_of(mixture(20000, 4)), equal = facts_of(mixture(20000, 1));
   constexpr std::int64_t kMany = 1 << 18, kLarge = 1 << 21;
