@@ -37,8 +37,9 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
   return static_cast<std::int32_t>(std::min(std::floor(length / edge), 2e9)) + 1;
 }
 
-// A row of cells is one warp's, so a long one is waited for: no more cells than these along x, or an eighth of the level's balls.
-constexpr double kLongRow = 8192, kCellsABallOfLongRow = 0.125;
+// A row of cells is one warp's, so a long one is waited for: no more cells than these along x, or a sixteenth of the level's
+// balls.
+constexpr double kLongRow = 4096, kCellsABallOfLongRow = 1.0 / 16;
 double least_cell_x(const Box& box, double balls) {
   const double length = static_cast<double>(box.upper[0]) - box.lower[0];
   return length / std::max(kLongRow, kCellsABallOfLongRow * balls);

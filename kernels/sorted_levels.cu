@@ -10,9 +10,8 @@ namespace touchstone {
 namespace {
 
 constexpr int kMostLevels = LevelGrids::kMost;
-constexpr int kCountedOfMany = 2;  // balls that a thread counts, where they are many
-constexpr int kChunksInHand = 4;   // 32 cells each: what of a row a warp keeps in registers
-constexpr int kHeld = kChunksInHand * kWarpSize;
+constexpr int kCountedOfMany = 2;   // balls that a thread counts, where they are many
+constexpr int kChunksInHand = 4;    // 32 cells each: what of a row a warp keeps in registers
 constexpr float kMostDrift = 0.1f;  // in radii of the finest level: the search's boxes grow by as much
 
 // A ball of the source, and its number in the packing.
@@ -136,26 +135,21 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   wait_for_kernel_before();
   if (!files(index, always)) return;
 
-  // Of kHeld cells from x0 on: the balls of their row from x0 to before each, and in all.
-  std::int32_t held[kChunksInHand];
-  const auto hold = [&](std::int32_t x0) {
-    for (int k = 0; k < kChunksInHand; ++k) {
-      const std::int32_t x = x0 + k * kWarpSize + lane;
-      held[k] = x < cells ? count[x] : 0;
-    }
-    std::int32_t balls = 0;
-    for (int k = 0; k < kChunksInHand; ++k) {
-      const std::int32_t up_to = sum_up_to_lane(held[k]);
-      held[k] = balls + up_to - held[k];
-      balls += __shfl_sync(kFullWarp, up_to, kWarpSize - 1);
-    }
-    return balls;
-  };
-  std::int32_t balls = hold(0);
+  // What is held: of each cell, the balls of its row before it.
+  std::int32_t held[kChunksInHand], balls = 0;
+  for (int k = 0; k < kChunksInHand; ++k) {
+    const std::int32_t x = k * kWarpSize + lane;
+    held[k] = x < cells ? count[x] : 0;
+  }
+  for (int k = 0; k < kChunksInHand; ++k) {
+    const std::int32_t up_to = sum_up_to_lane(held[k]);
+    held[k] = balls + up_to - held[k];
+    balls += __shfl_sync(kFullWarp, up_to, kWarpSize - 1);
+  }
   const std::int32_t balls_held = balls;
   std::int32_t others = 0;
-  for (std::int32_t x = kHeld + lane; x < cells; x += kWarpSize) others += count[x];
-  if (cells > kHeld) balls += __shfl_sync(kFullWarp, sum_up_to_lane(others), kWarpSize - 1);
+  for (std::int32_t x = kChunksInHand * kWarpSize + lane; x < cells; x += kWarpSize) others += count[x];
+  if (cells > kChunksInHand * kWarpSize) balls += __shfl_sync(kFullWarp, sum_up_to_lane(others), kWarpSize - 1);
   if (lane == 0) before_row[warp] = balls;
   __syncthreads();
   if (warp == 0) {
@@ -174,25 +168,25 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   }
   __syncthreads();
 
-  // In place, a start overwrites what was read before: the count of a cell stands one entry after its start.
+  // In place, a chunk's starts overwrite what was read before: the count of a cell stands one entry after its start.
   std::int32_t place = block_first + before_row[warp];
   std::int32_t* const start = index.start + first_entry;
   const bool clears = index.count != index.start;
-  const auto write = [&](std::int32_t x0) {
-    for (int k = 0; k < kChunksInHand; ++k) {
-      const std::int32_t x = x0 + k * kWarpSize + lane;
-      if (x < cells) start[x] = place + held[k];
-      if (x < cells && clears) count[x] = 0;
-    }
-  };
-  write(0);
+  for (int k = 0; k < kChunksInHand; ++k) {
+    const std::int32_t x = k * kWarpSize + lane;
+    if (x < cells) start[x] = place + held[k];
+    if (x < cells && clears) count[x] = 0;
+  }
   place += balls_held;
+  std::int32_t x = kChunksInHand * kWarpSize + lane, next = x < cells ? count[x] : 0;
 #pragma unroll 1
-  for (std::int32_t x0 = kHeld; x0 < cells; x0 += kHeld) {
-    const std::int32_t balls_here = hold(x0);
-    __syncwarp();  // in place, another lane's start lies where this count lay
-    write(x0);
-    place += balls_here;
+  for (; x - lane < cells; x += kWarpSize) {
+    const std::int32_t own = next, up_to = sum_up_to_lane(own);
+    next = x + kWarpSize < cells ? count[x + kWarpSize] : 0;  // on its way while this chunk is summed
+    __syncwarp();  // in place, the next lane's start lies where this count lay
+    if (x < cells) start[x] = place + up_to - own;
+    if (x < cells && clears) count[x] = 0;
+    place += __shfl_sync(kFullWarp, up_to, kWarpSize - 1);
   }
   if (real && lane == 0) start[cells] = place;
 }

@@ -540,8 +540,8 @@ TEST(LevelGrids, HaveNoRowThatAWarpWouldScanForLong) {
   const std::vector<double> balls = balls_of_levels(facts, grids);
   for (int l = 0; l < grids.levels; ++l) {
     EXPECT_EQ(grids.level[l].rows(), 1);
-    EXPECT_LE(grids.level[l].nx, std::max(8192.0, balls[l] / 8) + 1);
-    EXPECT_GT(grids.level[l].nx, std::min(8192.0, balls[l] / 8)) << "nor a crowd in each cell";
+    EXPECT_LE(grids.level[l].nx, std::max(4096.0, balls[l] / 16) + 1);
+    EXPECT_GT(grids.level[l].nx, std::min(4096.0, balls[l] / 16)) << "nor a crowd in each cell";
   }
 }
 
