@@ -37,7 +37,7 @@ std::int32_t cells_along(const Box& box, int axis, double edge) {
   return static_cast<std::int32_t>(std::min(std::floor(length / edge), 2e9)) + 1;
 }
 
-// A row of cells is one warp's, so a long one is waited for: no more cells than these along x, or a sixteenth of the level's
+// A row of cells is one warp's, so a long one is waited for: hardly more cells than these along x, or a sixteenth of the level's
 // balls.
 constexpr double kLongRow = 4096, kCellsABallOfLongRow = 1.0 / 16;
 double least_cell_x(const Box& box, double balls) {
@@ -54,10 +54,11 @@ LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, 
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
   level.one_radius = of_one_radius(facts, c);
-  x = std::max(x * c.radius, least_cell_x(box, c.balls));
-  for (yz *= c.radius;; x *= 1.1, yz *= 1.1) {
-    level.inv_x = static_cast<float>(1 / x), level.inv_yz = static_cast<float>(1 / yz);
-    level.nx = cells_along(box, 0, x), level.ny = cells_along(box, 1, yz), level.nz = cells_along(box, 2, yz);
+  const double least_x = least_cell_x(box, c.balls);
+  for (x *= c.radius, yz *= c.radius;; x *= 1.1, yz *= 1.1) {
+    const double along_x = std::max(x, least_x);
+    level.inv_x = static_cast<float>(1 / along_x), level.inv_yz = static_cast<float>(1 / yz);
+    level.nx = cells_along(box, 0, along_x), level.ny = cells_along(box, 1, yz), level.nz = cells_along(box, 2, yz);
     if ((level.nx + 1.0) * level.ny * level.nz <= most_entries(c.balls, facts.n, cells_a_ball)) return level;
   }
 }

@@ -533,16 +533,30 @@ TEST(LevelChoice, IsWhatTheGridsAreMadeOf) {
 }
 
 TEST(LevelGrids, HaveNoRowThatAWarpWouldScanForLong) {
-  std::vector<Ball> line;
-  for (int k = 0; k < 100000; ++k) line.push_back({0.005f * static_cast<float>(k), 0, 0, k % 10 ? 0.0025f : 0.005f});
-  const PackingFacts facts = facts_of(line);
-  const LevelGrids grids = plan_level_grids(facts, 8);
-  const std::vector<double> balls = balls_of_levels(facts, grids);
-  for (int l = 0; l < grids.levels; ++l) {
-    EXPECT_EQ(grids.level[l].rows(), 1);
-    EXPECT_LE(grids.level[l].nx, std::max(4096.0, balls[l] / 16) + 1);
-    EXPECT_GT(grids.level[l].nx, std::min(4096.0, balls[l] / 16)) << "nor a crowd in each cell";
+  for (const int n : {20000, 100000}) {  // which a most of 4,096, and a sixteenth of the balls, decides
+    std::vector<Ball> line;
+    for (int k = 0; k < n; ++k) line.push_back({0.005f * static_cast<float>(k), 0, 0, 0.0025f});
+    const LevelGrids grids = plan_level_grids(facts_of(line), 8);
+    ASSERT_EQ(grids.levels, 1);
+    const double most = std::max(4096.0, n / 16.0);
+    EXPECT_EQ(grids.level[0].rows(), 1);
+    EXPECT_LE(grids.level[0].nx, most + 1);
+    EXPECT_GT(grids.level[0].nx, 0.9 * most) << "nor a crowd in each cell";
   }
+}
+
+// A box so large that cells grow until they are few enough has short rows: nothing is to be made longer along x alone.
+TEST(LevelGrids, HaveTheCellsAskedForWhereARowIsShort) {
+  std::vector<Ball> diagonal;
+  for (int k = 0; k < 100000; ++k) {
+    const float at = 0.003f * static_cast<float>(k);
+    diagonal.push_back({at, at, at, 0.0025f});
+  }
+  const LevelGrids grids = plan_level_grids(facts_of(diagonal), 8);
+  ASSERT_EQ(grids.levels, 1);
+  const LevelGrid& level = grids.level[0];
+  EXPECT_LT(level.nx, 4096);
+  EXPECT_NEAR(static_cast<double>(level.nx) / level.ny, 2.0, 0.1) << "cells of 1 x 2 x 2 radii, all grown alike";
 }
 
 TEST(LevelChoice, HasFewerCellsWhereBallsAreMany) {
