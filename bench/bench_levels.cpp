@@ -61,7 +61,7 @@ Packing packing_of(const PackingSpec& spec) {
 
 // The plan in words of a choice.
 LevelChoice plan_of(const PackingFacts& facts) {
-  const LevelChoice cells = cells_for(facts.n, facts, LevelOptions{}.large_from);
+  const LevelChoice cells = with_fewer_cells(facts.n, facts, LevelOptions{}.large_from);
   const LevelGrids grids = plan_level_grids(facts, level_threads(facts.n).broad / 32, cells);
   LevelChoice plan;
   plan.bounds.emplace();

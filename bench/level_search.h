@@ -33,7 +33,7 @@ std::vector<float> bound_candidates(const PackingFacts& facts, const std::vector
 // Coarse to fine:
 //   bounds  0, 1, 2 and 3 of the candidates, every combination, cells and lanes as planned;
 //   cells   the best six bounds, with every combination of 0.7, 1, 1.4, 2 radii along x and 1.4, 2, 2.8 along y and z; the
-//           best four of all so far with at most 1, 4 and 16 cells a ball;
+//           best four of all so far with at most 0.25, 0.5, 1, 4 and 16 cells a ball;
 //   asked   the best four of all so far, with none to all but one of the coarsest levels asked by finer ones;
 //   lanes   the best four of all so far, each of the three numbers of lanes by itself at 1, 2, 4 … 32.
 class LevelSearch {

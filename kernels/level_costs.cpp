@@ -12,6 +12,9 @@ constexpr int kFinerBitsOfMany = 3;
 // Below so many all searches together leave multiprocessors idle: each has as many threads as are of use.
 constexpr std::int32_t kFewBalls = 1 << 13;
 
+// So many equal balls of a level that asks itself have four threads each at most.
+constexpr std::int32_t kBallsOfFourThreads = 1 << 13;
+
 }  // namespace
 
 Box box_of(const PackingFacts& facts) { return facts.bulk.value_or(facts.centres); }
@@ -110,12 +113,13 @@ double search_us(const std::vector<ExpectedSearch>& searches, const std::vector<
 }
 
 // Threads a ball that are tried: no more than there are rows. Fewer than 16 were never faster where a level of equal balls is
-// asked from a coarser one. Where such a level asks itself, more than make 2^16 threads were not, nor, of more than 8,192 balls,
+// asked from a coarser one. Where such a level asks itself, more than make 2^16 threads were not, nor, from 8,192 balls on,
 // eight a ball. The fit sees none of these.
 std::pair<int, int> lane_bits_allowed(const ExpectedSearch& s) {
-  int most = s.finer() ? 5 : s.several || s.balls < kFewBalls ? 3 : 2;
+  int most = s.finer() ? 5 : 3;
   while (most > 0 && (1 << (most - 1)) >= (s.finer() ? s.largest.rows : s.mean.rows)) --most;
   if (s.finer()) return {std::min(s.several ? 2 : 4, most), most};
+  if (!s.several && s.balls >= kBallsOfFourThreads) most = std::min(most, 2);
   while (!s.several && most > 0 && std::ldexp(s.balls, most - 1) >= 1 << 16) --most;
   return {0, most};
 }

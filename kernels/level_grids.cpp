@@ -25,8 +25,8 @@ constexpr double kLeastCell = 0.1, kMostCell = 100, kLeastCellsABall = 0.01, kMo
 constexpr std::int64_t kManyBalls = 1 << 18;
 constexpr double kCellsABall = 4, kCellsABallOfMany = 2, kCellsABallOfLarge = 1.4, kCellXOfLarge = 2;
 
-// A level has no more entries than this, far outliers or not, and an index of all levels fits 32 bits: past some 500 million
-// balls each level has its share of those.
+// A level has no more entries than this, far outliers or not, and an index of all levels fits 32 bits: past some 1.5e9
+// balls (537 million with four cells each) a level has its share of those.
 constexpr double kMostEntries = 2.147e9;
 double most_entries(double balls, double of_balls, double cells_a_ball) {
   return std::min(cells_a_ball * balls, kMostEntries * balls / of_balls) + 64;
@@ -133,7 +133,7 @@ LevelChoice completed(LevelChoice choice) {
 
 }  // namespace
 
-LevelChoice cells_for(std::int64_t n, const PackingFacts& like, std::int64_t large_from, LevelChoice choice) {
+LevelChoice with_fewer_cells(std::int64_t n, const PackingFacts& like, std::int64_t large_from, LevelChoice choice) {
   const bool large = n >= large_from, many = n >= kManyBalls && like.rmin < like.rmax;
   if (large && choice.cell_x == 0) choice.cell_x = kCellXOfLarge;
   if ((large || many) && choice.cells_a_ball == 0) choice.cells_a_ball = large ? kCellsABallOfLarge : kCellsABallOfMany;

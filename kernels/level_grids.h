@@ -72,7 +72,8 @@ struct LevelChoice {
   // Largest radius of each level but the coarsest, whose is rmax; ascending, m, from rmin to below rmax; at most kMost - 1. None
   // makes a single level.
   std::optional<std::vector<float>> bounds = {};
-  double cell_x = 0, cell_yz = 0;  // edges of every level's cells, in that level's radius; larger where cells would be too many
+  double cell_x = 0, cell_yz = 0;  // edges of every level's cells, in that level's radius; larger where cells would be
+                                   // too many, along x where a row would be too long
   double cells_a_ball = 0;         // a level has at most so many cells for each of its balls, and a few more
   // So many of the coarsest levels are asked by finer ones, instead of asking them; -1: as planned. Where cells are buckets all
   // are.
@@ -82,9 +83,9 @@ struct LevelChoice {
   int lanes_finest = 0, lanes_own = 0, lanes_finer = 0;
 };
 
-// The choice for n balls packed as those of `like`, with fewer cells where it leaves them open and balls are many, since there
+// The choice for n balls packed as those of `like`: where it leaves cells open and balls are many, with fewer, since there
 // cells take their share of the cache; from large_from on, of the memory's bytes too (docs/levels.md, "Large packings").
-LevelChoice cells_for(std::int64_t n, const PackingFacts& like, std::int64_t large_from, LevelChoice choice = {});
+LevelChoice with_fewer_cells(std::int64_t n, const PackingFacts& like, std::int64_t large_from, LevelChoice choice = {});
 
 // Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic. Throws InputError
 // for a choice that is none: which, and what would do.

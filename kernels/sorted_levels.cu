@@ -183,7 +183,7 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   for (; x - lane < cells; x += kWarpSize) {
     const std::int32_t own = next, up_to = sum_up_to_lane(own);
     next = x + kWarpSize < cells ? count[x + kWarpSize] : 0;  // on its way while this chunk is summed
-    __syncwarp();  // in place, the next lane's start lies where this count lay
+    __syncwarp();                                             // in place, the next lane's start lies where this count lay
     if (x < cells) start[x] = place + up_to - own;
     if (x < cells && clears) count[x] = 0;
     place += __shfl_sync(kFullWarp, up_to, kWarpSize - 1);
@@ -239,7 +239,7 @@ Room room_of(const ContactsView& out) {
 SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
     : n_(facts.n), threads_(threads_or("levels", params.threads_broad, level_threads(facts.n).broad)), options_(options) {
   if (n_ == 0) return;
-  grids_ = plan_level_grids(facts, threads_ / kWarpSize, cells_for(n_, facts, options.large_from, options.choice));
+  grids_ = plan_level_grids(facts, threads_ / kWarpSize, with_fewer_cells(n_, facts, options.large_from, options.choice));
   large_ = n_ >= options.large_from;
   in_place_ = counts_in_place(n_, options);
   require_memory("levels", grids_.entries, bytes(), "use fewer balls");
@@ -270,7 +270,7 @@ std::int64_t SortedLevels::bytes() const {
 
 std::int64_t SortedLevels::bytes_for(std::int64_t n, const PackingFacts& like, const LevelOptions& options) {
   if (n == 0 || like.n == 0) return 0;
-  const LevelGrids grids = plan_level_grids(like, 1, cells_for(n, like, options.large_from, options.choice));
+  const LevelGrids grids = plan_level_grids(like, 1, with_fewer_cells(n, like, options.large_from, options.choice));
   const double entries = static_cast<double>(grids.entries) * static_cast<double>(n) / like.n;
   return memory_of(n, std::llround(entries), any_of_several_radii(grids), options);
 }

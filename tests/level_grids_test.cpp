@@ -563,20 +563,21 @@ TEST(LevelChoice, HasFewerCellsWhereBallsAreMany) {
   const PackingFacts several = facts_of(mixture(20000, 4)), equal = facts_of(mixture(20000, 1));
   constexpr std::int64_t kMany = 1 << 18, kLarge = 1 << 21;
   const auto entries = [](const PackingFacts& facts, std::int64_t n, const LevelChoice& choice = {}) {
-    return plan_level_grids(facts, 8, cells_for(n, facts, kLarge, choice)).entries;
+    return plan_level_grids(facts, 8, with_fewer_cells(n, facts, kLarge, choice)).entries;
   };
   EXPECT_EQ(entries(several, kMany - 1), plan_level_grids(several, 8).entries);
   EXPECT_LT(entries(several, kMany), entries(several, kMany - 1));
+  EXPECT_LE(entries(several, kMany), 2.0 * several.n + 64 * LevelGrids::kMost);
   EXPECT_LT(entries(several, kLarge), entries(several, kLarge - 1));
   EXPECT_LE(entries(several, kLarge), 1.4 * several.n + 64 * LevelGrids::kMost);
-  EXPECT_EQ(entries(equal, kLarge - 1), plan_level_grids(equal, 8).entries) << "which are few enough";
+  EXPECT_EQ(entries(equal, kLarge - 1), plan_level_grids(equal, 8).entries) << "of one radius: as they were";
   EXPECT_LT(entries(equal, kLarge), entries(equal, kLarge - 1));
   const LevelChoice by_hand{.cell_x = 1, .cells_a_ball = 4};
   EXPECT_EQ(entries(several, kLarge, by_hand), plan_level_grids(several, 8, by_hand).entries);
 }
 
 TEST(LevelQueries, OfEqualBallsThatAreNotFewHaveFourThreadsAtMost) {
-  for (const int n : {8000, 10000, 16000}) {
+  for (const int n : {8000, 8191, 8192, 10000, 16000}) {
     const PackingFacts facts = facts_of(mixture(n, 1));
     const LevelQueries queries = plan_level_queries(facts, plan_level_grids(facts, 4), 32);
     ASSERT_EQ(queries.count, 1);
