@@ -73,6 +73,7 @@ LevelChoice recipe_of(const PackingFacts& facts) {
   LevelChoice recipe;
   recipe.bounds = recipe_bounds(facts, LevelGrids::kMost);
   recipe.cell_x = recipe.cell_yz = 2;
+  recipe.cells_a_ball = 4;  // however many balls: the plan's fewer are not the recipe's
   return recipe;
 }
 

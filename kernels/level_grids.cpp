@@ -48,13 +48,13 @@ double least_cell_x(const Box& box, double balls) {
 // As construction knows the balls, which are alike in the level of the smallest alone.
 bool of_one_radius(const PackingFacts& facts, const RadiusClass& level) { return static_cast<float>(level.radius) == facts.rmin; }
 
-// Cells of x and yz radii, or larger ones.
-LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, double yz, double cells_a_ball) {
+// Cells of x and yz radii, or larger ones; `scanned`: each row by a warp.
+LevelGrid make_level(const PackingFacts& facts, const RadiusClass& c, double x, double yz, double cells_a_ball, bool scanned) {
   const Box box = box_of(facts);
   LevelGrid level{};
   level.radius = static_cast<float>(c.radius);
   level.one_radius = of_one_radius(facts, c);
-  const double least_x = least_cell_x(box, c.balls);
+  const double least_x = scanned ? least_cell_x(box, c.balls) : 0;
   for (x *= c.radius, yz *= c.radius;; x *= 1.1, yz *= 1.1) {
     const double along_x = std::max(x, least_x);
     level.inv_x = static_cast<float>(1 / along_x), level.inv_yz = static_cast<float>(1 / yz);
@@ -84,13 +84,13 @@ double cell_x(const PackingFacts& facts, const RadiusClass& level, const LevelCh
 
 // The grids of these classes. What the choice leaves open was filled in, but for cell_x.
 LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vector<RadiusClass>& classes,
-                    const LevelChoice& choice) {
+                    const LevelChoice& choice, bool scanned) {
   LevelGrids grids;
   const Box box = box_of(facts);
   grids.x0 = box.lower[0], grids.y0 = box.lower[1], grids.z0 = box.lower[2];
   for (const RadiusClass& c : classes) {
     LevelGrid& level = grids.level[grids.levels++];
-    level = make_level(facts, c, cell_x(facts, c, choice), choice.cell_yz, choice.cells_a_ball);
+    level = make_level(facts, c, cell_x(facts, c, choice), choice.cell_yz, choice.cells_a_ball, scanned);
     level.first_entry = grids.entries, level.first_row = grids.rows;
     grids.entries += level.rows() * (level.nx + 1);
     grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));
@@ -152,7 +152,7 @@ LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, con
     return instructions(expected, !own, !of_one_radius(facts, level));
   };
   const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
-    return with_direction(fewer_bins, grids_of(facts, rows_a_block, classes, chosen), chosen.asked_levels);
+    return with_direction(fewer_bins, grids_of(facts, rows_a_block, classes, chosen, true), chosen.asked_levels);
   };
   if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
   return to_grids(choose_classes(facts, query, to_grids));
@@ -164,7 +164,7 @@ LevelGrids plan_bucket_grids(const PackingFacts& all_facts, const LevelChoice& c
   if (choice.cell_yz == 0) chosen.cell_yz = kBucket;
   const PackingFacts facts = choice.bounds ? all_facts : with_fewer_bins(all_facts);
   const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
-    LevelGrids grids = grids_of(facts, 1, classes, chosen);
+    LevelGrids grids = grids_of(facts, 1, classes, chosen, false);
     grids.asked_from = 1;
     return grids;
   };

@@ -532,6 +532,15 @@ TEST(LevelChoice, IsWhatTheGridsAreMadeOf) {
   }
 }
 
+// No warp scans a row of buckets: they stay as small as asked.
+TEST(BucketGrids, OfALineAreAsManyAsAsked) {
+  std::vector<Ball> line;
+  for (int k = 0; k < 8000; ++k) line.push_back({0.005f * static_cast<float>(k), 0, 0, 0.0025f});
+  const LevelGrids grids = plan_bucket_grids(facts_of(line));
+  ASSERT_EQ(grids.levels, 1);
+  EXPECT_NEAR(grids.level[0].nx, 7999 * 0.005 / (1.4 * 0.0025), 2);
+}
+
 TEST(LevelGrids, HaveNoRowThatAWarpWouldScanForLong) {
   for (const int n : {20000, 100000}) {  // which a most of 4,096, and a sixteenth of the balls, decides
     std::vector<Ball> line;
@@ -567,7 +576,10 @@ TEST(LevelChoice, HasFewerCellsWhereBallsAreMany) {
   };
   EXPECT_EQ(entries(several, kMany - 1), plan_level_grids(several, 8).entries);
   EXPECT_LT(entries(several, kMany), entries(several, kMany - 1));
-  EXPECT_LE(entries(several, kMany), 2.0 * several.n + 64 * LevelGrids::kMost);
+  // The finest level has cells enough for the bound to bind.
+  const LevelGrids many = plan_level_grids(several, 8, with_fewer_cells(kMany, several, kLarge));
+  const double balls = balls_of_levels(several, many)[0];
+  EXPECT_LE((many.level[0].nx + 1.0) * many.level[0].rows(), 2 * balls + 64);
   EXPECT_LT(entries(several, kLarge), entries(several, kLarge - 1));
   EXPECT_LE(entries(several, kLarge), 1.4 * several.n + 64 * LevelGrids::kMost);
   EXPECT_EQ(entries(equal, kLarge - 1), plan_level_grids(equal, 8).entries) << "of one radius: as they were";
