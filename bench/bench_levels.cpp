@@ -62,7 +62,7 @@ Packing packing_of(const PackingSpec& spec) {
 // The plan in words of a choice.
 LevelChoice plan_of(const PackingFacts& facts) {
   const LevelChoice cells = with_fewer_cells(facts.n, facts, LevelOptions{}.large_from);
-  const LevelGrids grids = plan_level_grids(facts, level_threads(facts.n).broad / 32, cells);
+  const LevelGrids grids = plan_level_grids(facts, cells);
   LevelChoice plan;
   plan.bounds.emplace();
   for (int l = 0; l + 1 < grids.levels; ++l) plan.bounds->push_back(grids.level[l].radius);
@@ -123,7 +123,7 @@ const DetectorInfo& levels_row() { return find_detector("levels"); }
 // One packing, resident; detectors come and go.
 class Bed {
  public:
-  explicit Bed(Packing packing) : context_(std::move(packing)), stream_(Place::device) {
+  explicit Bed(Packing packing) : context_(std::move(packing)), stream_(timing_stream(Place::device)) {
     d_.balls = Buffer<Ball>(context_.packing.balls.size(), Place::device, stream_);
     copy_async(d_.balls, std::span<const Ball>(context_.packing.balls), stream_);
     context_.reference();
@@ -201,7 +201,7 @@ class Bed {
   }
 
   PackingContext context_;
-  Stream stream_;
+  Stream& stream_;
   Detection d_;
 };
 

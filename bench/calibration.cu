@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "bench/calibration.h"
+#include "bench/timing.h"
 #include "kernels/device.h"
 
 namespace touchstone {
@@ -44,7 +45,7 @@ double least_step_ns(const std::vector<float>& sorted_us) {
 
 Calibration calibrate() {
   constexpr std::size_t kCopyBytes = std::size_t{512} << 20;  // far larger than any L2
-  Stream stream;
+  Stream& stream = timing_stream(Place::device);
   Calibration c;
   Buffer<char> from(kCopyBytes, Place::device, stream), to(kCopyBytes, Place::device, stream);
   fill_async(from, 0, stream);

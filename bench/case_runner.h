@@ -75,6 +75,9 @@ class CaseRunner {
   // Uploads, detects, and compares the contact set with the reference, untimed: measurement() has what it found, but no times.
   void verify();
 
+  // After verify(): the same detection once more, untimed, to its end. For who watches what the device does.
+  void detect_again();
+
   // Takes one repetition and returns the median of its samples, us. The first call verifies and warms up; the last
   // frees. Throws Mismatch, InputError (refused parameters), Interrupted, or what failed; after that, again.
   double repetition_us();

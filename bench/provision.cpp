@@ -126,9 +126,8 @@ void Provision::tune_for(const Case& c, bool fresh, Eta& eta) {
     tunings_[name] = {t["cell_ravg"], t["cell_rmax"], t["threads_broad"], t["threads_narrow"], t["tuned_on"]};
   } else {
     eta.show(done_, fmt::format("tuning {}", name));
-    Stream stream(c.detector->place);
-    const Tuning t = tune(*c.detector, c.output, context.whole(), context.facts, context.reference(), stream,
-                          [](const std::string&) { stop_if_interrupted(); });
+    const Tuning t = tune(*c.detector, c.output, context.whole(), context.facts, context.reference(),
+                          timing_stream(c.detector->place), [](const std::string&) { stop_if_interrupted(); });
     tunings_[name] = t;
     journal_.append(key, {{"tuning",
                            {{"cell_ravg", t.cell_ravg},

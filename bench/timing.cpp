@@ -14,6 +14,33 @@ std::string_view to_string(Cache cache) { return cache == Cache::cold ? "cold" :
 
 using Clock = std::chrono::steady_clock;
 
+Stream& timing_stream(Place place) {
+  static Stream host(Place::host);
+  if (place == Place::host) return host;
+  static Stream device(Place::device);
+  return device;
+}
+
+#if !defined(TOUCHSTONE_NO_CUDA)
+namespace {
+
+// What `work` enqueues on the stream. Whatever happens, the stream captures no longer.
+cudaGraph_t captured(const std::function<void()>& work, Stream& stream) {
+  cudaGraph_t graph = nullptr;
+  check(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeThreadLocal));
+  try {
+    work();
+  } catch (...) {
+    if (cudaStreamEndCapture(stream.get(), &graph) == cudaSuccess && graph) cudaGraphDestroy(graph);
+    throw;
+  }
+  check(cudaStreamEndCapture(stream.get(), &graph));
+  return graph;
+}
+
+}  // namespace
+#endif
+
 struct Sampler::State {
   State(std::function<void()> w, Place p, Launch l, Cache c, Stream& s, std::function<void()> b)
       : work(std::move(w)), before(std::move(b)), place(p), launch(l), cache(c), stream(s) {}
@@ -33,9 +60,7 @@ struct Sampler::State {
     check(cudaEventCreate(&start));
     check(cudaEventCreate(&stop));
     if (launch == Launch::graph) {
-      check(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeThreadLocal));
-      work();
-      check(cudaStreamEndCapture(stream.get(), &graph));
+      graph = captured(work, stream);
       check(cudaGraphInstantiate(&executable, graph, 0));
       check(cudaGraphUpload(executable, stream.get()));
     }
@@ -126,6 +151,8 @@ std::vector<std::pair<std::string, double>> phase_times_us(const std::function<v
   };
   std::vector<std::string> names;
   std::vector<std::vector<double>> times;
+  const auto deaf = [](Stream* s) { s->listen({}); };
+  const std::unique_ptr<Stream, decltype(deaf)> listening(&stream, deaf);
   stream.listen(mark);
   for (int k = 0; k < samples; ++k) {
     work();
@@ -142,7 +169,6 @@ std::vector<std::pair<std::string, double>> phase_times_us(const std::function<v
     for (const auto& [name, event] : marks) cudaEventDestroy(event);
     marks.clear();
   }
-  stream.listen({});
   std::vector<std::pair<std::string, double>> phases;
   for (std::size_t m = 0; m < names.size(); ++m) phases.emplace_back(names[m], quartiles(times[m]).median);
   return phases;

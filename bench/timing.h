@@ -16,6 +16,11 @@ enum class Cache { hot, cold };       // cold: the L2 is flushed before each sam
 std::string_view to_string(Launch launch);
 std::string_view to_string(Cache cache);
 
+// The stream of all that this process times, one for each place. Were there one for each case, a case's time would tell how many
+// ran before it: from a process's eighth stream on, the driver starts a graph up to 1.1 us sooner or later (docs/levels.md,
+// "Streams"). What is enqueued there must end before the next user's begins.
+Stream& timing_stream(Place place);
+
 // Takes samples of `work`, which enqueues on the stream (GPU) or does (CPU) what is to be timed; `before`, if given, is done
 // before each sample and waited for, untimed. On the GPU a sample is event, one launch of the captured graph or one call of
 // `work`, event; on the CPU a call between two readings of the steady clock. Never a batch divided by its length.

@@ -35,9 +35,9 @@ class TuneRun {
 
  private:
   struct Entrant {
-    explicit Entrant(const DetectorInfo& i) : info(i), stream(i.place) {}
+    explicit Entrant(const DetectorInfo& i) : info(i), stream(timing_stream(i.place)) {}
     const DetectorInfo& info;
-    Stream stream;
+    Stream& stream;
     std::unique_ptr<Search> search;
     Tuned tuned;
   };

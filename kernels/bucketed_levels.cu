@@ -25,8 +25,9 @@
 namespace touchstone {
 namespace {
 
-constexpr int kTogether = 4;  // cells whose counts are fetched at once
-constexpr int kHits = 8;      // contacts that a thread keeps until its block has found all; one with more writes them as it goes
+constexpr int kThreadsBroad = 128, kThreadsNarrow = 32;  // a block's, where none are asked for: balls are few
+constexpr int kTogether = 4;                             // cells whose counts are fetched at once
+constexpr int kHits = 8;  // contacts that a thread keeps until its block has found all; one with more writes them as it goes
 
 // Balls of a cell, true past its bucket: of this run, and of the run before, cleared for the next.
 struct alignas(8) BallsOfCell {
@@ -248,8 +249,8 @@ class BucketedLevels : public Detector {
  public:
   BucketedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
       : n_(facts.n),
-        threads_broad_(threads_or("levels", params.threads_broad, level_threads(facts.n).broad)),
-        threads_narrow_(threads_or("levels", params.threads_narrow, level_threads(facts.n).narrow)) {
+        threads_broad_(threads_or("levels", params.threads_broad, kThreadsBroad)),
+        threads_narrow_(threads_or("levels", params.threads_narrow, kThreadsNarrow)) {
     if (n_ == 0) return;
     plan_ = plan_buckets(facts, options);
     require_memory("levels", plan_.grids.entries, workspace_bytes(), "use fewer balls");

@@ -83,8 +83,7 @@ double cell_x(const PackingFacts& facts, const RadiusClass& level, const LevelCh
 }
 
 // The grids of these classes. What the choice leaves open was filled in, but for cell_x.
-LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vector<RadiusClass>& classes,
-                    const LevelChoice& choice, bool scanned) {
+LevelGrids grids_of(const PackingFacts& facts, const std::vector<RadiusClass>& classes, const LevelChoice& choice, bool scanned) {
   LevelGrids grids;
   const Box box = box_of(facts);
   grids.x0 = box.lower[0], grids.y0 = box.lower[1], grids.z0 = box.lower[2];
@@ -93,7 +92,7 @@ LevelGrids grids_of(const PackingFacts& facts, int rows_a_block, const std::vect
     level = make_level(facts, c, cell_x(facts, c, choice), choice.cell_yz, choice.cells_a_ball, scanned);
     level.first_entry = grids.entries, level.first_row = grids.rows;
     grids.entries += level.rows() * (level.nx + 1);
-    grids.rows += static_cast<std::int32_t>(rows_a_block * blocks_for(level.rows(), rows_a_block));
+    grids.rows += static_cast<std::int32_t>(LevelGrids::kRowsABlock * blocks_for(level.rows(), LevelGrids::kRowsABlock));
   }
   return grids;
 }
@@ -140,7 +139,7 @@ LevelChoice with_fewer_cells(std::int64_t n, const PackingFacts& like, std::int6
   return choice;
 }
 
-LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, const LevelChoice& choice) {
+LevelGrids plan_level_grids(const PackingFacts& all_facts, const LevelChoice& choice) {
   const LevelChoice chosen = completed(choice);
   const PackingFacts fewer_bins = with_fewer_bins(all_facts), &facts = choice.bounds ? all_facts : fewer_bins;
   const auto query = [&](double radius, const RadiusClass& level, double share) {
@@ -152,7 +151,7 @@ LevelGrids plan_level_grids(const PackingFacts& all_facts, int rows_a_block, con
     return instructions(expected, !own, !of_one_radius(facts, level));
   };
   const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
-    return with_direction(fewer_bins, grids_of(facts, rows_a_block, classes, chosen, true), chosen.asked_levels);
+    return with_direction(fewer_bins, grids_of(facts, classes, chosen, true), chosen.asked_levels);
   };
   if (choice.bounds) return to_grids(classes_between(facts, *choice.bounds));
   return to_grids(choose_classes(facts, query, to_grids));
@@ -164,7 +163,7 @@ LevelGrids plan_bucket_grids(const PackingFacts& all_facts, const LevelChoice& c
   if (choice.cell_yz == 0) chosen.cell_yz = kBucket;
   const PackingFacts facts = choice.bounds ? all_facts : with_fewer_bins(all_facts);
   const auto to_grids = [&](const std::vector<RadiusClass>& classes) {
-    LevelGrids grids = grids_of(facts, 1, classes, chosen, false);
+    LevelGrids grids = grids_of(facts, classes, chosen, false);
     grids.asked_from = 1;
     return grids;
   };

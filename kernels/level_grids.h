@@ -26,10 +26,11 @@ struct LevelGrid {
 // Passed to kernels by value. Levels ascend in radius.
 struct LevelGrids {
   static constexpr int kMost = 8;
+  static constexpr int kRowsABlock = 8;  // of rows_kernel, all of one level (sorted_levels.cu)
 
   float x0 = 0, y0 = 0, z0 = 0;  // lower corner of all grids, m
   std::int32_t levels = 0;
-  std::int32_t rows = 0;     // of all levels, each level's rounded up to a multiple of rows_a_block
+  std::int32_t rows = 0;     // of all levels, each level's rounded up to a multiple of kRowsABlock
   std::int32_t entries = 0;  // of all levels
   // Levels from this one on are asked by all finer ones; those before ask the finer ones themselves.
   std::int32_t asked_from = kMost;
@@ -89,13 +90,13 @@ LevelChoice with_fewer_cells(std::int64_t n, const PackingFacts& like, std::int6
 
 // Levels and cells from the radii and the box, by a cost model (docs/levels.md). facts.n > 0. Deterministic. Throws InputError
 // for a choice that is none: which, and what would do.
-LevelGrids plan_level_grids(const PackingFacts& facts, int rows_a_block, const LevelChoice& choice = {});
+LevelGrids plan_level_grids(const PackingFacts& facts, const LevelChoice& choice = {});
 
 // The same where cells are buckets (bucketed_levels.cu), by that search's time; and its threads a ball, 2 to that power.
 LevelGrids plan_bucket_grids(const PackingFacts& facts, const LevelChoice& choice = {});
 int plan_bucket_lane_bits(const LevelChoice& choice = {});
 
-// Threads a block, where none are asked for: small blocks where balls are few, so that all multiprocessors have some.
+// Threads a block where none are asked for, of kernels with a thread a ball and of those that search.
 struct LevelThreads {
   int broad, narrow;
 };

@@ -21,8 +21,8 @@ int lane_bits_of(const char* what, int lanes, int planned_bits) {
 }  // namespace
 
 LevelThreads level_threads(std::int64_t n) {
-  constexpr std::int64_t kFew = 1 << 15;  // measured: docs/levels.md
-  return n < kFew ? LevelThreads{128, 32} : LevelThreads{256, 128};
+  constexpr std::int64_t kSpread = 1 << 16;  // up to it small blocks lie more evenly on the multiprocessors (docs/levels.md)
+  return {n < kSpread ? 128 : 256, 128};
 }
 
 LevelQueries plan_level_queries(const PackingFacts& facts, const LevelGrids& grids, int threads, const LevelChoice& choice) {

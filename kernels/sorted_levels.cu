@@ -10,8 +10,9 @@ namespace touchstone {
 namespace {
 
 constexpr int kMostLevels = LevelGrids::kMost;
-constexpr int kCountedOfMany = 2;   // balls that a thread counts, where they are many
-constexpr int kChunksInHand = 4;    // 32 cells each: what of a row a warp keeps in registers
+constexpr int kCountedOfMany = 2;                                    // balls that a thread counts, where they are many
+constexpr int kThreadsOfRows = LevelGrids::kRowsABlock * kWarpSize;  // a block, a warp a row of cells
+constexpr int kChunksInHand = 4;                                     // 32 cells each: what of a row a warp keeps in registers
 constexpr float kMostDrift = 0.1f;  // in radii of the finest level: the search's boxes grow by as much
 
 // A ball of the source, and its number in the packing.
@@ -120,12 +121,12 @@ __device__ inline std::int32_t first_place(const LevelGrids& grids, const Sorted
 // One warp a row of cells; a block's rows, all of one level, take their places together. Clears the counts, where they are not
 // what becomes the starts.
 __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids grids, SortedLevelsView index, bool always) {
-  __shared__ std::int32_t before_row[kWarpSize];  // first balls in each row, then in the rows before it
+  constexpr int kRows = LevelGrids::kRowsABlock;
+  __shared__ std::int32_t before_row[kRows];  // first balls in each row, then in the rows before it
   __shared__ std::int32_t block_first;
   let_next_kernel_begin();
   const int warp = static_cast<int>(threadIdx.x) / kWarpSize, lane = static_cast<int>(threadIdx.x) % kWarpSize;
-  const int warps = static_cast<int>(blockDim.x) / kWarpSize;
-  const std::int32_t row = static_cast<std::int32_t>(blockIdx.x) * warps + warp;
+  const std::int32_t row = static_cast<std::int32_t>(blockIdx.x) * kRows + warp;
   int l = 0;
   while (l + 1 < grids.levels && row >= grids.level[l + 1].first_row) ++l;
   const LevelGrid& g = grids.level[l];
@@ -153,15 +154,15 @@ __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids g
   if (lane == 0) before_row[warp] = balls;
   __syncthreads();
   if (warp == 0) {
-    const std::int32_t own = lane < warps ? before_row[lane] : 0, up_to = sum_up_to_lane(own);
+    const std::int32_t own = lane < kRows ? before_row[lane] : 0, up_to = sum_up_to_lane(own);
     __syncwarp();
-    if (lane < warps) before_row[lane] = up_to - own;
+    if (lane < kRows) before_row[lane] = up_to - own;
     if (lane == kWarpSize - 1) {
       const std::int32_t taken = up_to ? atomicAdd(&index.taken[l], up_to) : 0;  // on its way while counts are summed
       block_first = first_place(grids, index, l) + taken;
     }
   }
-  if (blockIdx.x == 0 && warp == warps - 1 && lane < grids.levels) {  // another warp, where there is one
+  if (blockIdx.x == 0 && warp == kRows - 1 && lane < grids.levels) {  // not the warp above
     const int own = lane;
     const std::int32_t first = first_place(grids, index, own);
     index.state[own] = {first, own == 0 ? n - first : index.counted[own], grids.level[own].one_radius && index.odd[own] == 0};
@@ -239,7 +240,7 @@ Room room_of(const ContactsView& out) {
 SortedLevels::SortedLevels(const PackingFacts& facts, const DetectorParams& params, const LevelOptions& options, Stream& stream)
     : n_(facts.n), threads_(threads_or("levels", params.threads_broad, level_threads(facts.n).broad)), options_(options) {
   if (n_ == 0) return;
-  grids_ = plan_level_grids(facts, threads_ / kWarpSize, with_fewer_cells(n_, facts, options.large_from, options.choice));
+  grids_ = plan_level_grids(facts, with_fewer_cells(n_, facts, options.large_from, options.choice));
   large_ = n_ >= options.large_from;
   in_place_ = counts_in_place(n_, options);
   require_memory("levels", grids_.entries, bytes(), "use fewer balls");
@@ -270,7 +271,7 @@ std::int64_t SortedLevels::bytes() const {
 
 std::int64_t SortedLevels::bytes_for(std::int64_t n, const PackingFacts& like, const LevelOptions& options) {
   if (n == 0 || like.n == 0) return 0;
-  const LevelGrids grids = plan_level_grids(like, 1, with_fewer_cells(n, like, options.large_from, options.choice));
+  const LevelGrids grids = plan_level_grids(like, with_fewer_cells(n, like, options.large_from, options.choice));
   const double entries = static_cast<double>(grids.entries) * static_cast<double>(n) / like.n;
   return memory_of(n, std::llround(entries), any_of_several_radii(grids), options);
 }
@@ -299,8 +300,8 @@ void SortedLevels::file(const BallSource& source, ContactsView out, bool always,
                large_ ? count_kernel<kCountedOfMany> : count_kernel<1>, source, grids_, index, out, always);
   try {
     stream.mark("rows");
-    launch_after(overlaps_, stream, {blocks_for(grids_.rows, threads_ / kWarpSize), threads_}, rows_kernel, n_, grids_, index,
-                 always);
+    launch_after(overlaps_, stream, {blocks_for(grids_.rows, LevelGrids::kRowsABlock), kThreadsOfRows}, rows_kernel, n_, grids_,
+                 index, always);
     stream.mark("move");
     launch_after(overlaps_, stream, balls, move_kernel, source, grids_, index, always);
   } catch (...) {  // nobody will clear what was counted
@@ -329,7 +330,7 @@ std::vector<KernelFacts> SortedLevels::kernels() const {
   std::vector<KernelFacts> all;
   if (large_) all = PartedBalls::kernels();
   all.push_back(kernel_facts("count_kernel", "broad", {1, threads_}, large_ ? count_kernel<kCountedOfMany> : count_kernel<1>));
-  all.push_back(kernel_facts("rows_kernel", "broad", {1, threads_}, rows_kernel));
+  all.push_back(kernel_facts("rows_kernel", "broad", {1, kThreadsOfRows}, rows_kernel));
   all.push_back(kernel_facts("move_kernel", "broad", {1, threads_}, move_kernel));
   if (options_.updates) all.push_back(kernel_facts("follow_kernel", "broad", {1, threads_}, follow_kernel));
   return all;

@@ -9,6 +9,6 @@ int main(int argc, char** argv) {
     std::vector<const DetectorInfo*> ours;
     for (const DetectorInfo& info : gpu_detectors())
       if (info.label() == "levels") ours.push_back(&info);
-    return peers_program(ours, built_peers(), argc, argv);
+    return peers_program(ours, built_peers(), cupti(), argc, argv);
   });
 }

@@ -9,6 +9,7 @@
 #include "bench/run_study.h"
 #include "datasets/files.h"
 #include "datasets/source_tree.h"
+#include "peers/kernel_times.h"
 
 namespace touchstone {
 namespace {
@@ -18,18 +19,19 @@ int list(const std::vector<Case>& cases) {
   return cases.empty() ? kExitNothingRan : kExitOk;
 }
 
-std::filesystem::path results_file(const std::filesystem::path& out) {
-  if (out.empty()) return source_folder() / "build/results" / machine_slug() / "peers.json";
-  return out.extension() == ".json" ? out : out / "peers.json";
+std::filesystem::path results_file(const std::filesystem::path& out, const char* name) {
+  if (out.empty()) return source_folder() / "build/results" / machine_slug() / name;
+  return out.extension() == ".json" ? out : out / name;
 }
 
 }  // namespace
 
-int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vector<Peer>& peers, int argc, char** argv) {
+int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vector<Peer>& peers, const WatchDevice& watch,
+                  int argc, char** argv) {
   RunOptions options;
   PeerSelection selection;
   std::vector<std::string> words;
-  bool only_list = false;
+  bool only_list = false, kernels = false;
   CLI::App app{
       "Times other people's libraries beside our fastest detector: each contact set is compared before any time is taken."};
   app.add_option("--packing", words, "a packing in words (`touchstone pack --help`), instead of the usual ones; may be repeated");
@@ -41,6 +43,7 @@ int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vecto
   app.add_option("--packing-folder", options.packing_folder, "where packings are kept");
   app.add_option("--tuning-n", options.tuning_n, "balls of the packing (seed 2) that our threads are tuned on")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--kernels", kernels, "no times: how long the device works in kernels and copies for one detection, by CUPTI");
   app.add_flag("--list", only_list, "print the cases and stop; needs no GPU");
   app.add_flag("--fresh", options.fresh, "measure everything again");
   app.add_flag("--force", options.force, "measure although the run would be refused; the record says so");
@@ -60,12 +63,15 @@ int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vecto
   }
   if (!gpu_usable() && std::ranges::any_of(cases, [](const Case& c) { return on_gpu(*c.detector); }))
     throw NoGpuError("peers run on a GPU: " + why_no_gpu() + "; --list shows the cases");
-  options.out = results_file(options.out);
-  const int code = run_cases(options, cases, peers_json(peers));
+  options.out = results_file(options.out, kernels ? "peers_kernels.json" : "peers.json");
+  const int code =
+      kernels ? watch_cases(cases, watch, {options.out, options.packing_folder, options.force, options.argv}, peers_json(peers))
+              : run_cases(options, cases, peers_json(peers));
   if (std::filesystem::exists(options.out)) {
     std::vector<std::string> labels;
     for (const DetectorInfo* info : ours) labels.push_back(info->label());
-    fmt::print("{}", peer_table(Json::parse(read_whole(options.out)), labels));
+    const Json results = Json::parse(read_whole(options.out));
+    fmt::print("{}", kernels ? kernel_table(results, labels) : peer_table(results, labels));
   }
   return code;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bench/study.h"
+#include "peers/device_work.h"
 #include "peers/peers.h"
 
 namespace touchstone {
@@ -31,7 +32,12 @@ Json peers_json(const std::vector<Peer>& peers);
 // one's time over that of the fastest of `ours` (names). Throws InputError where it is no such file.
 std::string peer_table(const Json& results, const std::vector<std::string>& ours);
 
+// The same for a file of --kernels (kernel_times.h): from the detector that keeps the device busy least on, and each one's busy
+// time over that of the least of `ours`.
+std::string kernel_table(const Json& results, const std::vector<std::string>& ours);
+
 // Plans, runs, writes, prints the table. Returns an ExitCode.
-int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vector<Peer>& peers, int argc, char** argv);
+int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vector<Peer>& peers, const WatchDevice& watch,
+                  int argc, char** argv);
 
 }  // namespace touchstone

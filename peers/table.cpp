@@ -68,7 +68,48 @@ std::string text_of(const std::string& name, Block block, const std::vector<std:
   return text;
 }
 
+// A detector's line of kernel_table().
+struct BusyLine {
+  std::string label;
+  int kernels, transfers;
+  double kernels_us, transfers_us, busy_us;
+};
+
+std::string busy_text(std::vector<BusyLine> lines, const std::vector<std::string>& ours) {
+  std::ranges::stable_sort(lines, {}, &BusyLine::busy_us);
+  const auto base =
+      std::ranges::find_if(lines, [&](const BusyLine& line) { return std::ranges::find(ours, line.label) != ours.end(); });
+  std::string text = fmt::format("  {:<24} {:>9} {:>9} {:>11} {:>11} {:>11} {:>8}\n", "", "kernels", "copies", "kernels ms",
+                                 "copies ms", "busy ms", "ratio");
+  for (const BusyLine& line : lines)
+    text += fmt::format("  {:<24} {:>9} {:>9} {:>11.4f} {:>11.4f} {:>11.4f} {:>8}\n", line.label, line.kernels, line.transfers,
+                        line.kernels_us / 1e3, line.transfers_us / 1e3, line.busy_us / 1e3,
+                        base == lines.end() ? "-" : fmt::format("{:.2f}", line.busy_us / base->busy_us));
+  return text;
+}
+
 }  // namespace
+
+std::string kernel_table(const Json& results, const std::vector<std::string>& ours) {
+  try {
+    std::vector<std::pair<std::string, std::vector<BusyLine>>> blocks;
+    for (const Json& c : results.at("cases")) {
+      const std::string name = fmt::format("{}: {} balls, {} contacts", block_name(c), c.at("n").get<std::int64_t>(),
+                                           c.at("contacts").get<std::int64_t>());
+      if (blocks.empty() || blocks.back().first != name) blocks.emplace_back(name, std::vector<BusyLine>{});
+      blocks.back().second.push_back(
+          {label_of(c), c.at("kernels"), c.at("transfers"), c.at("kernels_us"), c.at("transfers_us"), c.at("busy_us")});
+    }
+    std::string text;
+    for (const auto& [name, lines] : blocks) text += name + "\n" + busy_text(lines, ours);
+    for (const Json& c : results.at("skipped"))
+      text += fmt::format("  no time: {} on {}: {}: {}\n", c.at("detector").get<std::string>(), block_name(c),
+                          c.at("code").get<std::string>(), c.at("message").get<std::string>());
+    return text;
+  } catch (const Json::exception& e) {
+    throw InputError(fmt::format("no results of bench_peers --kernels: {}", e.what()));
+  }
+}
 
 std::string peer_table(const Json& results, const std::vector<std::string>& ours) {
   try {

@@ -23,7 +23,7 @@
 namespace touchstone {
 namespace {
 
-constexpr int kRowsABlock = 8, kThreads = 128;
+constexpr int kRowsABlock = LevelGrids::kRowsABlock, kThreads = 128;
 
 // The facts of edge^3 such packings side by side.
 PackingFacts many_times(PackingFacts facts, int edge) {
@@ -72,19 +72,19 @@ TEST(LevelGrids, AreSoundOnEverySmallPacking) {
   for (const SmallPacking& p : small_packings()) {
     if (p.balls.empty()) continue;
     SCOPED_TRACE(p.name);
-    expect_sound(p.balls, plan_level_grids(facts_of(p.balls), kRowsABlock));
+    expect_sound(p.balls, plan_level_grids(facts_of(p.balls)));
   }
 }
 
 TEST(LevelGrids, EqualRadiiAreOneLevel) {
-  const LevelGrids grids = plan_level_grids(facts_of(mixture(2000, 1)), kRowsABlock);
+  const LevelGrids grids = plan_level_grids(facts_of(mixture(2000, 1)));
   EXPECT_EQ(grids.levels, 1);
   EXPECT_TRUE(grids.level[0].one_radius);
 }
 
 TEST(LevelGrids, TheMortarOfAMixtureIsALevelOfOneRadius) {
   const std::vector<Ball> balls = mixture(20000, 4);
-  const LevelGrids grids = plan_level_grids(facts_of(balls), kRowsABlock);
+  const LevelGrids grids = plan_level_grids(facts_of(balls));
   ASSERT_GE(grids.levels, 2);
   EXPECT_TRUE(grids.level[0].one_radius);
   EXPECT_EQ(grids.level[0].radius, facts_of(balls).rmin);
@@ -95,10 +95,10 @@ TEST(LevelGrids, TheMortarOfAMixtureIsALevelOfOneRadius) {
 TEST(LevelGrids, KeepTheirSizeWhateverTheBox) {
   std::vector<Ball> balls = mixture(2000, 4);
   balls.push_back({300, 200, 100, 0.0025f});
-  expect_sound(balls, plan_level_grids(facts_of(balls), kRowsABlock));
-  EXPECT_LE(plan_level_grids(facts_of(balls), kRowsABlock).entries, 2 * 4 * 2001 + 2 * 64);
+  expect_sound(balls, plan_level_grids(facts_of(balls)));
+  EXPECT_LE(plan_level_grids(facts_of(balls)).entries, 2 * 4 * 2001 + 2 * 64);
   balls.back() = {3e30f, 0, 0, 0.0025f};
-  EXPECT_LE(plan_level_grids(facts_of(balls), kRowsABlock).entries, 2 * 4 * 2001 + 2 * 64);
+  EXPECT_LE(plan_level_grids(facts_of(balls)).entries, 2 * 4 * 2001 + 2 * 64);
 }
 
 // Two billion balls, said to be there: an index of 32-bit entries must do, in each level and in all together.
@@ -106,7 +106,7 @@ TEST(LevelGrids, FitThirtyTwoBitsAtTheMostBallsThereCanBe) {
   for (const double cell_factor : {1.0, 4.0}) {
     const PackingFacts facts = many_times(facts_of(mixture(20000, cell_factor)), 47);
     ASSERT_GT(facts.n, 2'000'000'000);
-    const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+    const LevelGrids grids = plan_level_grids(facts);
     double entries = 0;
     for (int l = 0; l < grids.levels; ++l) {
       EXPECT_EQ(grids.level[l].first_entry, entries);
@@ -123,7 +123,7 @@ TEST(LevelQueries, EachLevelAsksItselfAndOfTwoOneAsks) {
     for (const int asked_levels : {-1, 0, 1, 7}) {
       const std::vector<Ball> balls = mixture(5000, cell_factor);
       const PackingFacts facts = facts_of(balls);
-      const LevelGrids grids = plan_level_grids(facts, kRowsABlock, {.asked_levels = asked_levels});
+      const LevelGrids grids = plan_level_grids(facts, {.asked_levels = asked_levels});
       if (asked_levels >= 0) {
         EXPECT_EQ(grids.asked_from, std::max(1, grids.levels - asked_levels));
       }
@@ -178,7 +178,7 @@ TEST(BucketGrids, AreExpectedToWaitForTheirLargestBall) {
 TEST(LevelQueries, HaveTheThreadsABallThatAreExpectedToBeFastest) {
   for (const double cell_factor : {1.0, 4.0, 20.0}) {
     const PackingFacts facts = facts_of(mixture(20000, cell_factor));
-    const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+    const LevelGrids grids = plan_level_grids(facts);
     ASSERT_LE(grids.levels, 3);
     const LevelQueries queries = plan_level_queries(facts, grids, kThreads);
     const std::vector<ExpectedSearch> searches = expected_searches(facts, grids);
@@ -206,7 +206,7 @@ TEST(LevelQueries, ManyBallsHaveFewThreadsEach) {
   const PackingFacts facts = many_times(facts_of(mixture(20000, 4)), 3);
   ASSERT_GT(facts.n, 1 << 17);
   for (const int asked_levels : {0, 1}) {
-    const LevelGrids grids = plan_level_grids(facts, kRowsABlock, {.asked_levels = asked_levels});
+    const LevelGrids grids = plan_level_grids(facts, {.asked_levels = asked_levels});
     ASSERT_EQ(grids.levels, 2);
     const LevelQueries queries = plan_level_queries(facts, grids, kThreads);
     ASSERT_EQ(queries.count, 3);
@@ -288,7 +288,7 @@ TEST(LevelWork, IsWhatTheSearchesMeet) {
     for (const int asked_levels : {0, 1}) {
       const std::vector<Ball> balls = loose(mix, cell_factor);
       const PackingFacts facts = facts_of(balls);
-      const LevelGrids grids = plan_level_grids(facts, kRowsABlock, {.asked_levels = asked_levels});
+      const LevelGrids grids = plan_level_grids(facts, {.asked_levels = asked_levels});
       const LevelWork expected = expected_work(facts, grids), counted = counted_work(balls, grids);
       SCOPED_TRACE(std::string(to_string(mix)) + ", C = " + std::to_string(cell_factor) + ", " + std::to_string(grids.levels) +
                    " levels: rows " + std::to_string(counted.rows) + " of " + std::to_string(expected.rows) + ", tests " +
@@ -309,7 +309,7 @@ TEST(LevelWork, OfThePlanIsLeast) {
     const PackingFacts facts = many_times(facts_of(loose(mix, cell_factor)), 2);
     const auto cost = [&](LevelChoice choice) {
       choice.asked_levels = 0;
-      return expected_work(facts, plan_level_grids(facts, kRowsABlock, choice)).instructions;
+      return expected_work(facts, plan_level_grids(facts, choice)).instructions;
     };
     const double planned = cost({});
     EXPECT_LE(planned, 1.03 * cost({.bounds = std::vector<float>()})) << "one level";
@@ -323,27 +323,27 @@ TEST(LevelWork, OfThePlanIsLeast) {
 // left.
 TEST(LevelWork, LongSearchesAreCutShort) {
   const PackingFacts facts = facts_of(loose(Mix::table1, 20, 50000));
-  const auto us = [&](const LevelChoice& choice) { return expected_us(facts, plan_level_grids(facts, kRowsABlock, choice)); };
-  const LevelGrids planned = plan_level_grids(facts, kRowsABlock);
+  const auto us = [&](const LevelChoice& choice) { return expected_us(facts, plan_level_grids(facts, choice)); };
+  const LevelGrids planned = plan_level_grids(facts);
   ASSERT_GE(planned.levels, 3);
   EXPECT_EQ(planned.level[0].radius, facts.rmin);
   EXPECT_GT(planned.level[planned.levels - 2].radius, 0.4f * facts.rmax);
   EXPECT_LT(expected_us(facts, planned), 0.95 * us({.bounds = std::vector<float>{facts.rmin}}));
   for (const float share : {0.2f, 0.4f, 0.6f, 0.8f})
     EXPECT_GT(us({.bounds = bounds_at(facts, {0, share})}), 0.95 * expected_us(facts, planned)) << share;
-  EXPECT_EQ(plan_level_grids(many_times(facts, 4), kRowsABlock).levels, 2) << "there the sum decides";
+  EXPECT_EQ(plan_level_grids(many_times(facts, 4)).levels, 2) << "there the sum decides";
 }
 
 // A few large balls that asked all others would be waited for: they are asked.
 TEST(LevelWork, OfGiantsIsSharedByAll) {
   for (const int n : {50000, 300000}) {
     const PackingFacts facts = facts_of(loose(Mix::power_law, 100, n));
-    const LevelGrids planned = plan_level_grids(facts, kRowsABlock);
+    const LevelGrids planned = plan_level_grids(facts);
     EXPECT_LT(planned.asked_from, planned.levels);
-    EXPECT_LT(expected_us(facts, planned), 0.5 * expected_us(facts, plan_level_grids(facts, kRowsABlock, {.asked_levels = 0})));
+    EXPECT_LT(expected_us(facts, planned), 0.5 * expected_us(facts, plan_level_grids(facts, {.asked_levels = 0})));
   }
   const PackingFacts alike = facts_of(loose(Mix::table1, 4, 50000));
-  const LevelGrids planned = plan_level_grids(alike, kRowsABlock);
+  const LevelGrids planned = plan_level_grids(alike);
   EXPECT_EQ(planned.asked_from, planned.levels) << "there the large balls' searches are short";
 }
 
@@ -415,7 +415,7 @@ TEST(LevelGrids, TableOfWideRadii) {
         {"power law, C = 2", loose(Mix::power_law, 2), 2, 2, 20},  // measured: 21 us with two, 23 with one (50,000)
         {"a giant of 1000 among dust", giant, 2, 2, 20}}) {
     const PackingFacts facts = facts_of(line.balls);
-    const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+    const LevelGrids grids = plan_level_grids(facts);
     const LevelWork work = expected_work(facts, grids);
     SCOPED_TRACE(line.name);
     if (std::getenv("TOUCHSTONE_SHOW_TABLES"))
@@ -436,11 +436,11 @@ TEST(LevelGrids, TableOfWideRadii) {
 TEST(LevelGrids, FarOutliersDoNotCoarsenTheCells) {
   std::vector<Ball> balls = loose(Mix::table1, 4);
   const PackingFacts before = facts_of(balls);
-  const double tests = counted_work(balls, plan_level_grids(before, kRowsABlock)).tests;
+  const double tests = counted_work(balls, plan_level_grids(before)).tests;
   balls.push_back({300, 200, 100, before.rmax});
   balls.push_back({-1000, 0, 0, before.rmin});
   const PackingFacts facts = facts_of(balls);
-  const LevelGrids grids = plan_level_grids(facts, kRowsABlock);
+  const LevelGrids grids = plan_level_grids(facts);
   expect_sound(balls, grids);
   EXPECT_LT(counted_work(balls, grids).tests, 1.15 * tests) << "a cell that holds all would be thousands";
   EXPECT_LT(grids.entries, 4 * facts.n + 128);
@@ -515,7 +515,7 @@ TEST(LevelChoice, IsWhatTheGridsAreMadeOf) {
                            .lanes_finest = 16,
                            .lanes_own = 2,
                            .lanes_finer = 1};
-  const LevelGrids grids = plan_level_grids(facts, kRowsABlock, choice);
+  const LevelGrids grids = plan_level_grids(facts, choice);
   ASSERT_EQ(grids.levels, 4);
   for (int l = 0; l < 4; ++l) {
     const LevelGrid& g = grids.level[l];
@@ -545,7 +545,7 @@ TEST(LevelGrids, HaveNoRowThatAWarpWouldScanForLong) {
   for (const int n : {20000, 100000}) {  // which a most of 4,096, and a sixteenth of the balls, decides
     std::vector<Ball> line;
     for (int k = 0; k < n; ++k) line.push_back({0.005f * static_cast<float>(k), 0, 0, 0.0025f});
-    const LevelGrids grids = plan_level_grids(facts_of(line), 8);
+    const LevelGrids grids = plan_level_grids(facts_of(line));
     ASSERT_EQ(grids.levels, 1);
     const double most = std::max(4096.0, n / 16.0);
     EXPECT_EQ(grids.level[0].rows(), 1);
@@ -561,7 +561,7 @@ TEST(LevelGrids, HaveTheCellsAskedForWhereARowIsShort) {
     const float at = 0.003f * static_cast<float>(k);
     diagonal.push_back({at, at, at, 0.0025f});
   }
-  const LevelGrids grids = plan_level_grids(facts_of(diagonal), 8);
+  const LevelGrids grids = plan_level_grids(facts_of(diagonal));
   ASSERT_EQ(grids.levels, 1);
   const LevelGrid& level = grids.level[0];
   EXPECT_LT(level.nx, 4096);
@@ -572,26 +572,26 @@ TEST(LevelChoice, HasFewerCellsWhereBallsAreMany) {
   const PackingFacts several = facts_of(mixture(20000, 4)), equal = facts_of(mixture(20000, 1));
   constexpr std::int64_t kMany = 1 << 18, kLarge = 1 << 21;
   const auto entries = [](const PackingFacts& facts, std::int64_t n, const LevelChoice& choice = {}) {
-    return plan_level_grids(facts, 8, with_fewer_cells(n, facts, kLarge, choice)).entries;
+    return plan_level_grids(facts, with_fewer_cells(n, facts, kLarge, choice)).entries;
   };
-  EXPECT_EQ(entries(several, kMany - 1), plan_level_grids(several, 8).entries);
+  EXPECT_EQ(entries(several, kMany - 1), plan_level_grids(several).entries);
   EXPECT_LT(entries(several, kMany), entries(several, kMany - 1));
   // The finest level has cells enough for the bound to bind.
-  const LevelGrids many = plan_level_grids(several, 8, with_fewer_cells(kMany, several, kLarge));
+  const LevelGrids many = plan_level_grids(several, with_fewer_cells(kMany, several, kLarge));
   const double balls = balls_of_levels(several, many)[0];
   EXPECT_LE((many.level[0].nx + 1.0) * many.level[0].rows(), 2 * balls + 64);
   EXPECT_LT(entries(several, kLarge), entries(several, kLarge - 1));
   EXPECT_LE(entries(several, kLarge), 1.4 * several.n + 64 * LevelGrids::kMost);
-  EXPECT_EQ(entries(equal, kLarge - 1), plan_level_grids(equal, 8).entries) << "of one radius: as they were";
+  EXPECT_EQ(entries(equal, kLarge - 1), plan_level_grids(equal).entries) << "of one radius: as they were";
   EXPECT_LT(entries(equal, kLarge), entries(equal, kLarge - 1));
   const LevelChoice by_hand{.cell_x = 1, .cells_a_ball = 4};
-  EXPECT_EQ(entries(several, kLarge, by_hand), plan_level_grids(several, 8, by_hand).entries);
+  EXPECT_EQ(entries(several, kLarge, by_hand), plan_level_grids(several, by_hand).entries);
 }
 
 TEST(LevelQueries, OfEqualBallsThatAreNotFewHaveFourThreadsAtMost) {
   for (const int n : {8000, 8191, 8192, 10000, 16000}) {
     const PackingFacts facts = facts_of(mixture(n, 1));
-    const LevelQueries queries = plan_level_queries(facts, plan_level_grids(facts, 4), 32);
+    const LevelQueries queries = plan_level_queries(facts, plan_level_grids(facts), 32);
     ASSERT_EQ(queries.count, 1);
     EXPECT_EQ(queries.query[0].lane_bits, n < 8192 ? 3 : 2) << n;
   }
@@ -600,11 +600,11 @@ TEST(LevelQueries, OfEqualBallsThatAreNotFewHaveFourThreadsAtMost) {
 TEST(LevelChoice, OfThePlansOwnBoundsIsThePlan) {
   small_packings_detail::Random random(22);
   const PackingFacts facts = facts_of(small_packings_detail::wide(20000, 50, random));
-  const LevelGrids planned = plan_level_grids(facts, kRowsABlock);
+  const LevelGrids planned = plan_level_grids(facts);
   ASSERT_GE(planned.levels, 3);
   LevelChoice same{.bounds = std::vector<float>()};
   for (int l = 0; l + 1 < planned.levels; ++l) same.bounds->push_back(planned.level[l].radius);
-  const LevelGrids chosen = plan_level_grids(facts, kRowsABlock, same);
+  const LevelGrids chosen = plan_level_grids(facts, same);
   EXPECT_EQ(chosen.levels, planned.levels);
   EXPECT_EQ(chosen.asked_from, planned.asked_from);
   EXPECT_EQ(chosen.entries, planned.entries);
@@ -614,7 +614,7 @@ TEST(LevelChoice, OfThePlansOwnBoundsIsThePlan) {
 TEST(LevelChoice, ThatIsNoneIsRefused) {
   const PackingFacts facts = facts_of(mixture(2000, 4));
   const auto plan = [&](const LevelChoice& choice) {
-    plan_level_queries(facts, plan_level_grids(facts, kRowsABlock, choice), kThreads, choice);
+    plan_level_queries(facts, plan_level_grids(facts, choice), kThreads, choice);
   };
   EXPECT_NO_THROW(plan({.bounds = bounds_at(facts, {0, 0.5f})}));
   EXPECT_NO_THROW(plan({.asked_levels = 7}));

@@ -185,7 +185,7 @@ TEST_F(LevelsTest, UpdatesFindPartnersThatWereFiledOutOfReach) {
     }
     LevelChoice choice{.bounds = std::vector<float>{}, .asked_levels = asked_levels};
     if (larger > 1) choice.bounds->push_back(kRadius);
-    const LevelGrids grids = plan_level_grids(facts_of(balls), 2, choice);
+    const LevelGrids grids = plan_level_grids(facts_of(balls), choice);
     const bool second_asks = larger > 1 && asked_levels == 0;
     const LevelGrid& g = grids.level[second_asks ? 0 : grids.levels - 1];  // the asked one
     int beyond = 0;
@@ -426,7 +426,7 @@ TEST_F(LevelsTest, LongRowsAreExact) {
     for (Ball& b : balls) b = {random.between(0, 1.5), random.between(0, width), random.between(0, width), 0.0025f};
     for (const std::int64_t large_from : {std::int64_t{0}, std::int64_t{1} << 40}) {
       const PackingFacts facts = facts_of(balls);
-      ASSERT_GT(plan_level_grids(facts, 1, with_fewer_cells(facts.n, facts, large_from)).level[0].nx, 160) << "beyond 128";
+      ASSERT_GT(plan_level_grids(facts, with_fewer_cells(facts.n, facts, large_from)).level[0].nx, 160) << "beyond 128";
       Bed bed(balls, {.few_up_to = 0, .large_from = large_from}, OutputForm::pairs, 600 * 600);
       EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "width " << width << ", large from " << large_from;
       EXPECT_TRUE(compare(bed.detect(balls), all_pairs(balls)).equal()) << "again";

@@ -8,6 +8,7 @@
 #include "kernels/detection.h"
 #include "kernels/device_facts.h"
 #include "kernels/force_pass.h"
+#include "kernels/level_grids.h"
 #include "reference_cpu/all_pairs.h"
 #include "tests/small_packings.h"
 
@@ -166,7 +167,11 @@ TEST_F(Passes, EveryDetectorNamesItsPhasesAndKernels) {
     for (const KernelFacts& k : kernels) {
       SCOPED_TRACE(k.name);
       EXPECT_TRUE(k.phase == "broad" || k.phase == "narrow");
-      EXPECT_EQ(k.threads, k.phase == "narrow" ? d.detector->params().threads_narrow : d.detector->params().threads_broad);
+      const DetectorParams params = d.detector->params();
+      const int of_rows = LevelGrids::kRowsABlock * 32;  // a warp a row of cells, whatever is asked for
+      EXPECT_EQ(k.threads, k.name == "rows_kernel" ? of_rows
+                           : k.phase == "narrow"   ? params.threads_narrow
+                                                   : params.threads_broad);
       if (kDeviceIsDouble) continue;
       EXPECT_GT(k.registers, 0);
       EXPECT_GT(k.blocks_an_sm, 0);

@@ -43,9 +43,17 @@ std::vector<std::pair<std::string, std::string>> facts() {
 
 }  // namespace
 
+// A device that nobody has: what it reports is made up.
+DeviceWork watch(const std::function<void()>& work) {
+  work();
+  static int watched = 0;
+  const std::uint64_t longer = static_cast<std::uint64_t>(watched++ % 9) * 1000;  // ns
+  return summed({{true, 1000, 4000 + longer}, {true, 3000, 5000}, {false, 9000, 10000}});
+}
+
 int main(int argc, char** argv) {
   return guarded("peers_fixture", [&] {
     const std::vector<Peer> peers{{"madeup", kRows, facts}};
-    return peers_program({&find_detector("serial_levels")}, peers, argc, argv);
+    return peers_program({&find_detector("serial_levels")}, peers, watch, argc, argv);
   });
 }

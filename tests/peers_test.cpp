@@ -113,6 +113,43 @@ TEST(PeerTable, RefusesWhatIsNoResultsFile) {
   EXPECT_THROW(peer_table(results, {"fast"}), InputError);
 }
 
+TEST(DeviceWork, CountsOverlappedTimeOnceAndDurationsEach) {
+  const DeviceWork w = summed({{false, 9000, 10000}, {true, 1000, 4000}, {true, 3000, 5000}, {true, 3500, 4500}});
+  EXPECT_EQ(w.kernels, 3);
+  EXPECT_EQ(w.transfers, 1);
+  EXPECT_DOUBLE_EQ(w.kernels_us, 6);
+  EXPECT_DOUBLE_EQ(w.transfers_us, 1);
+  EXPECT_DOUBLE_EQ(w.busy_us, 5);
+  EXPECT_EQ(summed({}).busy_us, 0);
+}
+
+TEST(KernelTable, SortsByBusyTimeAndSaysEachOneOverOurs) {
+  const auto record = [](const char* detector, Json layout, double busy) {
+    return Json{{"detector", detector},
+                {"layout", std::move(layout)},
+                {"packing", "a"},
+                {"order", "sorted"},
+                {"n", 10},
+                {"contacts", 3},
+                {"kernels", 4},
+                {"transfers", 1},
+                {"kernels_us", busy + 1},
+                {"transfers_us", 2},
+                {"busy_us", busy}};
+  };
+  const Json skipped = {{"detector", "other"}, {"packing", "a"}, {"order", "sorted"}, {"code", "failed"}, {"message", "no room"}};
+  Json results = {{"cases", Json::array({record("lib", "tree", 50), record("fast", nullptr, 20)})},
+                  {"skipped", Json::array({skipped})}};
+  EXPECT_EQ(kernel_table(results, {"fast"}),
+            "a, sorted: 10 balls, 3 contacts\n"
+            "                             kernels    copies  kernels ms   copies ms     busy ms    ratio\n"
+            "  fast                             4         1      0.0210      0.0020      0.0200     1.00\n"
+            "  lib/tree                         4         1      0.0510      0.0020      0.0500     2.50\n"
+            "  no time: other on a, sorted: failed: no room\n");
+  results["cases"][0].erase("busy_us");
+  EXPECT_THROW(kernel_table(results, {"fast"}), InputError);
+}
+
 class Program : public ::testing::Test {
  protected:
   // On 300 and 1,500 loose balls.
@@ -149,6 +186,22 @@ TEST_F(Program, TimesWhatIsRightAndNothingElse) {
   EXPECT_THAT(o.out, HasSubstr("\nc3_n300_cube_loose50, shuffled: 300 balls, "));
   EXPECT_THAT(o.out, HasSubstr("  no time: madeup/losing: mismatch: "));
   EXPECT_THAT(o.out, HasSubstr(", the best peer, takes "));
+}
+
+TEST_F(Program, SaysHowLongTheDeviceWorksForWhatIsRight) {
+  const Outcome o = run(std::string(kTwo) + " --kernels");
+  EXPECT_EQ(o.code, kExitMismatch) << o.err;
+  const json file = parse_strictly(file_text(out()));
+  EXPECT_EQ(file["schema"], "touchstone-peers-kernels/1");
+  EXPECT_TRUE(file["run"]["complete"]);
+  EXPECT_EQ(file["peers"]["madeup"]["version"], "1");
+  EXPECT_EQ(file["cases"].size(), 5) << "two of ours, two that are right, one slow but small enough";
+  for (const json& c : file["cases"]) {
+    EXPECT_DOUBLE_EQ(c["busy_us"], 8) << "the median of nine";
+    EXPECT_DOUBLE_EQ(c["kernels_us"], 9);
+  }
+  EXPECT_EQ(file["skipped"].size(), 3);
+  EXPECT_THAT(o.out, HasSubstr("  no time: madeup/losing on c3_n300_cube_loose50, shuffled: mismatch: "));
 }
 
 TEST_F(Program, MeasuresAgainWhatAnotherVersionOfALibraryWasMeasuredWith) {
