@@ -27,7 +27,7 @@ void require(CUptiResult result, const char* what) {
   throw std::runtime_error(fmt::format("CUPTI: {}: {}", what, text ? text : "unknown error"));
 }
 
-// CUPTI's calls back have no argument of ours.
+// CUPTI's calls back have no argument of ours. They come while it is flushed, perhaps on a thread of its own.
 std::vector<DeviceActivity> activities;
 bool lost = false;
 
@@ -47,12 +47,14 @@ void keep(const CUpti_Activity* activity) {
 
 void CUPTIAPI take_buffer(CUcontext context, std::uint32_t stream, std::uint8_t* buffer, std::size_t, std::size_t filled) {
   CUpti_Activity* activity = nullptr;
-  while (cuptiActivityGetNextRecord(buffer, filled, &activity) == CUPTI_SUCCESS) {
+  CUptiResult next = CUPTI_SUCCESS;
+  while ((next = cuptiActivityGetNextRecord(buffer, filled, &activity)) == CUPTI_SUCCESS) {
     if (activity->kind == CUPTI_ACTIVITY_KIND_CONCURRENT_KERNEL) keep<KernelRecord>(activity);
     if (activity->kind == CUPTI_ACTIVITY_KIND_MEMCPY) keep<CopyRecord>(activity);
     if (activity->kind == CUPTI_ACTIVITY_KIND_MEMSET) keep<FillRecord>(activity);
   }
   std::size_t dropped = 0;
+  lost |= next != CUPTI_ERROR_MAX_LIMIT_REACHED;  // the end of the buffer
   lost |= cuptiActivityGetNumDroppedRecords(context, stream, &dropped) != CUPTI_SUCCESS || dropped != 0;
   std::free(buffer);
 }

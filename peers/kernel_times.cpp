@@ -125,18 +125,18 @@ int watch_cases(const std::vector<Case>& cases, const WatchDevice& watch, const 
   Watching run(watch, options, added);
   catch_interrupts();
   Eta eta(0);
+  std::size_t done = 0;
   try {
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-      eta.show(0, fmt::format("[{}/{}] {}", k + 1, cases.size(), cases[k].name()));
-      run.watch(cases[k]);
+    for (const Case& c : cases) {
+      eta.show(0, fmt::format("[{}/{}] {}", done + 1, cases.size(), c.name()));
+      run.watch(c);
+      run.write(++done == cases.size());  // what is done is kept, whatever comes
     }
   } catch (const Interrupted&) {
-    run.write(false);
     eta.end();
-    fmt::print(stderr, "interrupted; what was done is in {}\n", options.out.string());
+    fmt::print(stderr, "interrupted; {} of {} cases are done{}\n", done, cases.size(), done > 0 ? " and written" : "");
     return kExitInterrupted;
   }
-  run.write(true);
   eta.end();
   return run.code();
 }

@@ -16,7 +16,7 @@ struct KernelTimesOptions {
 };
 
 // Each case that is not left out: verified, then watched kWatched times; the median by the device's busy time. Writes
-// options.out. `added` are further keys of the file. Returns an ExitCode; throws InputError for a run that is refused.
+// options.out after each. `added` are further keys of the file. Returns an ExitCode; throws InputError for a run that is refused.
 int watch_cases(const std::vector<Case>& cases, const WatchDevice& watch, const KernelTimesOptions& options, const Json& added);
 inline constexpr int kWatched = 9;
 
