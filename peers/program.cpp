@@ -67,6 +67,7 @@ int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vecto
   const int code =
       kernels ? watch_cases(cases, watch, {options.out, options.packing_folder, options.force, options.argv}, peers_json(peers))
               : run_cases(options, cases, peers_json(peers));
+  if (kernels && code == kExitInterrupted) return code;  // perhaps before this run wrote its file
   if (std::filesystem::exists(options.out)) {
     std::vector<std::string> labels;
     for (const DetectorInfo* info : ours) labels.push_back(info->label());
