@@ -216,11 +216,33 @@ void CaseRunner::verify() {
   measurement_.kernels = r.detection.detector->kernels(case_.output);
 }
 
-void CaseRunner::detect_again() {
-  if (!resident_) throw std::logic_error("detect_again: verify first");
-  const Detection& d = resident_->detection;
-  d.detector->detect(d.input(), d.output->view(), resident_->stream);
-  resident_->stream.synchronize();
+// Every contact found later is one that a later run wrote, not the verified one.
+void CaseRunner::forget_contacts() {
+  Resident& r = *resident_;
+  const ContactsView list = r.detection.output->view();
+  if (list.form == OutputForm::pairs)
+    fill_bytes_async(list.count, 0, sizeof *list.count, r.stream);
+  else
+    fill_bytes_async(list.length, 0, sizeof *list.length * static_cast<std::size_t>(list.n), r.stream);
+}
+
+// Later runs must have done the work that was verified: what the last one wrote is compared again.
+void CaseRunner::require_contacts(const char* when) {
+  Detection& d = resident_->detection;
+  d.report = d.detector->report(d.output->view(), resident_->stream);
+  const std::string difference = d.report.complete() ? mismatch_now(true) : d.report.text();
+  if (!difference.empty()) throw Mismatch(fmt::format("after {}: {}", when, difference), case_.detector->label());
+}
+
+void CaseRunner::watch(const std::function<void(const std::function<void()>& detection)>& watcher) {
+  if (!resident_) throw std::logic_error("watch: verify first");
+  Resident& r = *resident_;
+  forget_contacts();
+  watcher([&r] {
+    r.detection.detector->detect(r.detection.input(), r.detection.output->view(), r.stream);
+    r.stream.synchronize();
+  });
+  require_contacts("watching");
 }
 
 void CaseRunner::prepare() {
@@ -248,12 +270,7 @@ void CaseRunner::prepare() {
       add_forces_where_they_lie(d.input(), d.output->view(), r.force.data(), info.place, r.stream);
     };
   }
-  // From here on every contact is one that a timed run wrote: finish() must not find the verified run's.
-  const ContactsView list = d.output->view();
-  if (list.form == OutputForm::pairs)
-    fill_bytes_async(list.count, 0, sizeof *list.count, r.stream);
-  else
-    fill_bytes_async(list.length, 0, sizeof *list.length * static_cast<std::size_t>(list.n), r.stream);
+  forget_contacts();
   // A blind sample synchronises within itself: the host's clock takes it.
   const Place clock = case_.knowledge == Knowledge::blind ? Place::host : info.place;
   r.sampler = std::make_unique<Sampler>(r.work, clock, case_.launch, case_.cache, r.stream, r.before);
@@ -275,11 +292,7 @@ double CaseRunner::repetition_us() {
 void CaseRunner::finish() {
   if (event_reasons_)  // first of all: the clocks still are what the samples had
     for (std::string& flag : event_flags(event_reasons_())) measurement_.flags.push_back(std::move(flag));
-  // The timed runs must have done the work that was verified: what the last one wrote is compared again.
-  Detection& d = resident_->detection;
-  d.report = d.detector->report(d.output->view(), resident_->stream);
-  const std::string difference = d.report.complete() ? mismatch_now(true) : d.report.text();
-  if (!difference.empty()) throw Mismatch("after timing: " + difference, case_.detector->label());
+  require_contacts("timing");
   for (const Force& f : download(resident_->force.data(), resident_->force.size(), resident_->stream))
     if (!std::isfinite(f.x + f.y + f.z)) throw std::logic_error("after timing: a ball has no force");
   if (case_.phases && on_gpu(*case_.detector))

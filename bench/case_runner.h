@@ -75,8 +75,9 @@ class CaseRunner {
   // Uploads, detects, and compares the contact set with the reference, untimed: measurement() has what it found, but no times.
   void verify();
 
-  // After verify(): the same detection once more, untimed, to its end. For who watches what the device does.
-  void detect_again();
+  // After verify(): `watcher` is given the same detection, to run to its end as often as it likes, untimed; then what the last
+  // one wrote is compared again. Throws Mismatch.
+  void watch(const std::function<void(const std::function<void()>& detection)>& watcher);
 
   // Takes one repetition and returns the median of its samples, us. The first call verifies and warms up; the last
   // frees. Throws Mismatch, InputError (refused parameters), Interrupted, or what failed; after that, again.
@@ -87,6 +88,8 @@ class CaseRunner {
 
  private:
   void prepare();
+  void forget_contacts();
+  void require_contacts(const char* when);
   void detect_moved();    // prepare()'s part for Knowledge::first_frame
   void prepare_update();  // and for Case::held
   void finish();

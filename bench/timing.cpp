@@ -32,6 +32,7 @@ cudaGraph_t captured(const std::function<void()>& work, Stream& stream) {
     work();
   } catch (...) {
     if (cudaStreamEndCapture(stream.get(), &graph) == cudaSuccess && graph) cudaGraphDestroy(graph);
+    cudaGetLastError();  // nobody else's
     throw;
   }
   check(cudaStreamEndCapture(stream.get(), &graph));

@@ -122,6 +122,7 @@ __device__ inline std::int32_t first_place(const LevelGrids& grids, const Sorted
 // what becomes the starts.
 __global__ void rows_kernel(std::int32_t n, const __grid_constant__ LevelGrids grids, SortedLevelsView index, bool always) {
   constexpr int kRows = LevelGrids::kRowsABlock;
+  static_assert(1 < kRows && kRows <= kWarpSize);
   __shared__ std::int32_t before_row[kRows];  // first balls in each row, then in the rows before it
   __shared__ std::int32_t block_first;
   let_next_kernel_begin();

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <stdexcept>
+#include <type_traits>
 
 #include "kernels/device.h"
 #include "peers/device_work.h"
@@ -42,6 +43,7 @@ void CUPTIAPI give_buffer(std::uint8_t** buffer, std::size_t* bytes, std::size_t
 template <class Record>
 void keep(const CUpti_Activity* activity) {
   const auto* record = reinterpret_cast<const Record*>(activity);
+  lost |= record->start == 0 || record->end < record->start;  // no times could be taken
   activities.push_back({std::is_same_v<Record, KernelRecord>, record->start, record->end});
 }
 
@@ -78,6 +80,7 @@ DeviceWork watch(const std::function<void()>& work) {
   work();
   flush();
   if (lost) throw std::runtime_error("CUPTI: records were lost: the sum would be too small");
+  if (activities.empty()) throw std::runtime_error("CUPTI reported no activity");
   return summed(activities);
 }
 

@@ -21,7 +21,7 @@ struct DeviceWork {
 };
 DeviceWork summed(std::vector<DeviceActivity> activities);
 
-// Runs the work, waits for the device, and says what it did. Throws std::runtime_error where nothing can watch it.
+// Runs the work, waits for the device, and says what it did. Throws std::runtime_error where that could not be seen whole.
 using WatchDevice = std::function<DeviceWork(const std::function<void()>& work)>;
 
 // By CUPTI's activity records; empty where this build found no CUPTI.

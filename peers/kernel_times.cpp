@@ -28,10 +28,12 @@ Json to_json(const DeviceWork& w) {
 
 DeviceWork median_work(CaseRunner& runner, const WatchDevice& watch) {
   std::vector<DeviceWork> works;
-  for (int k = 0; k < kWatched; ++k) {
-    stop_if_interrupted();
-    works.push_back(watch([&] { runner.detect_again(); }));
-  }
+  runner.watch([&](const std::function<void()>& detection) {
+    for (int k = 0; k < kWatched; ++k) {
+      stop_if_interrupted();
+      works.push_back(watch(detection));
+    }
+  });
   std::ranges::nth_element(works, works.begin() + kWatched / 2, {}, &DeviceWork::busy_us);
   return works[kWatched / 2];
 }
@@ -63,11 +65,19 @@ class Watching {
       if (!options.force) throw InputError(reason + "; --force measures all the same, and the record says so");
       file_["run"]["why_not"].push_back("forced: " + reason);
     }
-    require_writable_file(options.out);
+    const std::filesystem::path folder = options.out.has_parent_path() ? options.out.parent_path() : ".";
+    require_writable_folder(folder);
+    lock_ = std::make_unique<FolderLock>(folder);
+    const Json& source = file_["source"];
+    if (source["commit"] == "unknown") file_["run"]["why_not"].push_back("source commit unknown");
+    if (source["dirty"] == true) file_["run"]["why_not"].push_back("uncommitted changes in the measured source");
   }
 
   void watch(const Case& c) {
-    if (!c.left_out.empty()) return skip(c, "left out", c.left_out);
+    if (!c.left_out.empty()) {  // "code: message"
+      const std::size_t colon = c.left_out.find(": ");
+      return skip(c, c.left_out.substr(0, colon), c.left_out.substr(colon + 2));
+    }
     hold(c.packing);
     try {
       CaseRunner runner(c, {}, *context_, Profile::full, {});
@@ -82,18 +92,19 @@ class Watching {
     } catch (const Mismatch& e) {
       code_ = kExitMismatch;
       skip(c, "mismatch", e.what());
+    } catch (const MemoryError& e) {
+      skip(c, "memory", e.what());  // no fault of the run
     } catch (const std::exception& e) {
       if (code_ == kExitOk) code_ = kExitPartial;
       skip(c, "failed", e.what());
     }
   }
 
-  void write(bool complete) {
-    file_["run"]["end"] = utc_now(), file_["run"]["complete"] = complete, file_["state"]["end"] = state_json();
+  void write(bool all) {
+    file_["run"]["end"] = utc_now(), file_["run"]["complete"] = all && code_ == kExitOk, file_["state"]["end"] = state_json();
     write_atomically(options_.out, file_.dump(2) + "\n");
   }
 
-  const Json& file() const { return file_; }
   int code() const { return code_; }
 
  private:
@@ -103,7 +114,7 @@ class Watching {
     context_ = make_context(spec, load_or_make(base_of(spec), folder, [](double, std::string_view) { stop_if_interrupted(); }));
     held_ = name_of(spec);
   }
-  void skip(const Case& c, const char* code, const std::string& message) {
+  void skip(const Case& c, const std::string& code, const std::string& message) {
     Json record = {{"detector", c.detector->label()}, {"packing", name_of(c.packing)}, {"order", to_string(c.order)}};
     record["code"] = code, record["message"] = message;
     file_["skipped"].push_back(std::move(record));
@@ -112,6 +123,7 @@ class Watching {
   const WatchDevice& watch_;
   const KernelTimesOptions& options_;
   Json file_;
+  std::unique_ptr<FolderLock> lock_;
   std::unique_ptr<PackingContext> context_;  // of the packing held
   std::string held_;
   int code_ = kExitOk;

@@ -19,8 +19,8 @@ int list(const std::vector<Case>& cases) {
   return cases.empty() ? kExitNothingRan : kExitOk;
 }
 
-std::filesystem::path results_file(const std::filesystem::path& out, const char* name) {
-  if (out.empty()) return source_folder() / "build/results" / machine_slug() / name;
+std::filesystem::path results_file(const std::filesystem::path& out, const char* folder, const char* name) {
+  if (out.empty()) return source_folder() / "build" / folder / machine_slug() / name;
   return out.extension() == ".json" ? out : out / name;
 }
 
@@ -37,15 +37,20 @@ int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vecto
   app.add_option("--packing", words, "a packing in words (`touchstone pack --help`), instead of the usual ones; may be repeated");
   app.add_option("--packings", selection.only_packings, "regular expression, searched in packing names");
   app.add_option("--detectors", selection.only_detectors, "regular expression, searched in detector labels");
-  app.add_option("--seconds", selection.budget_s, "most time for the samples of a case; default 2, above 10^6 balls 4")
-      ->check(CLI::PositiveNumber);
+  CLI::Option* seconds =
+      app.add_option("--seconds", selection.budget_s, "most time for the samples of a case; default 2, above 10^6 balls 4")
+          ->check(CLI::PositiveNumber);
   app.add_option("--out", options.out, "folder, or .json file; default build/results/<this machine>/");
   app.add_option("--packing-folder", options.packing_folder, "where packings are kept");
-  app.add_option("--tuning-n", options.tuning_n, "balls of the packing (seed 2) that our threads are tuned on")
-      ->check(CLI::PositiveNumber);
-  app.add_flag("--kernels", kernels, "no times: how long the device works in kernels and copies for one detection, by CUPTI");
+  CLI::Option* tuning_n =
+      app.add_option("--tuning-n", options.tuning_n, "balls of the packing (seed 2) that our threads are tuned on")
+          ->check(CLI::PositiveNumber);
   app.add_flag("--list", only_list, "print the cases and stop; needs no GPU");
-  app.add_flag("--fresh", options.fresh, "measure everything again");
+  CLI::Option* fresh = app.add_flag("--fresh", options.fresh, "measure everything again");
+  app.add_flag("--kernels", kernels, "no times: how long the device works in kernels and copies for one detection, by CUPTI")
+      ->excludes(seconds)
+      ->excludes(tuning_n)
+      ->excludes(fresh);
   app.add_flag("--force", options.force, "measure although the run would be refused; the record says so");
   if (const int code = parse(app, argc, argv); code >= 0) return code;
   options.argv.assign(argv, argv + argc);
@@ -63,7 +68,8 @@ int peers_program(const std::vector<const DetectorInfo*>& ours, const std::vecto
   }
   if (!gpu_usable() && std::ranges::any_of(cases, [](const Case& c) { return on_gpu(*c.detector); }))
     throw NoGpuError("peers run on a GPU: " + why_no_gpu() + "; --list shows the cases");
-  options.out = results_file(options.out, kernels ? "peers_kernels.json" : "peers.json");
+  options.out = kernels ? results_file(options.out, "peers", "kernels.json")  // beside results/, whose files are records of runs
+                        : results_file(options.out, "results", "peers.json");
   const int code =
       kernels ? watch_cases(cases, watch, {options.out, options.packing_folder, options.force, options.argv}, peers_json(peers))
               : run_cases(options, cases, peers_json(peers));

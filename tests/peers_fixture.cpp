@@ -47,7 +47,7 @@ std::vector<std::pair<std::string, std::string>> facts() {
 DeviceWork watch(const std::function<void()>& work) {
   work();
   static int watched = 0;
-  const std::uint64_t longer = static_cast<std::uint64_t>(watched++ % 9) * 1000;  // ns
+  const std::uint64_t longer = static_cast<std::uint64_t>(watched++ * 4 % 9) * 1000;  // ns, in no order
   return summed({{true, 1000, 4000 + longer}, {true, 3000, 5000}, {false, 9000, 10000}});
 }
 
