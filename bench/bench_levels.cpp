@@ -294,11 +294,7 @@ Json head(const std::vector<std::string>& argv, const Options& o, const std::vec
 
 int prove_all(const Options& o, const std::vector<std::string>& argv) {
   const int others = other_compute_processes();  // before our own context
-  std::vector<std::string> why_not;
-  for (const std::string& reason : refusals(build_json(), device_json(), others)) {
-    if (!o.force) throw InputError(reason + "; --force measures all the same, and the record says so");
-    why_not.push_back("forced: " + reason);
-  }
+  const std::vector<std::string> why_not = forced_refusals(build_json(), device_json(), others, o.force);
   if (!o.out.empty()) require_writable_file(o.out);
   const std::vector<PackingSpec> specs = specs_of(o);
   if (specs.empty()) {

@@ -16,6 +16,7 @@
 #include "bench/gpu_facts.h"
 #include "build_info.h"
 #include "source_info.h"
+#include "touchstone/error.h"
 
 namespace touchstone {
 namespace {
@@ -177,6 +178,22 @@ std::vector<std::string> refusals(const Json& build, const Json& device, int oth
   if (device.is_object() && device.value("mig", Json(nullptr)) == true)
     reasons.push_back("the GPU is in MIG mode: a slice, not a card");
   return reasons;
+}
+
+std::vector<std::string> forced_refusals(const Json& build, const Json& device, int other_processes, bool force) {
+  std::vector<std::string> forced;
+  for (const std::string& reason : refusals(build, device, other_processes)) {
+    if (!force) throw InputError(reason + "; --force measures all the same, and the record says so");
+    forced.push_back("forced: " + reason);
+  }
+  return forced;
+}
+
+std::vector<std::string> source_objections(const Json& source) {
+  std::vector<std::string> objections;
+  if (source["commit"] == "unknown") objections.push_back("source commit unknown");
+  if (source["dirty"] == true) objections.push_back("uncommitted changes in the measured source");
+  return objections;
 }
 
 std::string throttling_objection(std::size_t throttled_samples, std::size_t samples) {

@@ -42,6 +42,10 @@ Json calibration_json();  // copy GB/s, empty launch us, event resolution ns; nu
 
 // Reasons to refuse before the first case (methodology: a tainted time is worse than none); empty if none.
 std::vector<std::string> refusals(const Json& build, const Json& device, int other_processes);
+// "forced: …" for each of them; without `force` throws InputError for the first.
+std::vector<std::string> forced_refusals(const Json& build, const Json& device, int other_processes, bool force);
+// Why what was measured from this source must not be quoted: its commit is unknown, or it has uncommitted changes.
+std::vector<std::string> source_objections(const Json& source);
 
 // Why a run with these cases should not be quoted: more than 1 % of the kept samples are of cases flagged `throttled`. "" if not.
 std::string throttling_objection(std::size_t throttled_samples, std::size_t samples);

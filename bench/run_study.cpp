@@ -104,11 +104,8 @@ StudyRun::StudyRun(const RunOptions& options, std::vector<Case> cases, const Jso
   const std::string begun = utc_now();  // before anything else is asked: times in the file ascend
   const Json start = state_json();
   flags_ = run_flags(source_, host_, device_, start["load_1min"], others);
-  for (const std::string& reason : refusals(build_, device_, others)) {
-    if (!options.force) throw InputError(reason + "; --force measures all the same, and the record says so");
-    why_not_.push_back("forced: " + reason);
-    flags_.push_back("forced");
-  }
+  why_not_ = forced_refusals(build_, device_, others, options.force);
+  flags_.insert(flags_.end(), why_not_.size(), "forced");
   std::filesystem::path journal = path_;
   journal_ = std::make_unique<Journal>(journal.replace_extension(".jsonl"));
   key_ = run_key(build_, host_, device_, added);
@@ -239,8 +236,7 @@ void StudyRun::repetition(benchmark::State& state, const Case& c, CaseRunner& ru
 void StudyRun::finish() {
   Json& run = file_->touchstone()["run"];
   file_->touchstone()["state"]["end"] = state_json();
-  if (source_["commit"] == "unknown") why_not_.push_back("source commit unknown");
-  if (source_["dirty"] == true) why_not_.push_back("uncommitted changes in the measured source");
+  for (const std::string& objection : source_objections(source_)) why_not_.push_back(objection);
   for (const char* when : {"start", "end"}) {
     const Json& gpu = file_->touchstone()["state"][when]["gpu"];
     if (gpu.is_object() && gpu["throttled"] == true)

@@ -18,8 +18,7 @@ std::string_view to_string(Cache cache);
 
 // The stream of all that this process times, one for each place. Were there one for each case, a case's time would tell how many
 // ran before it: from a process's eighth stream on, the driver starts a graph up to 1.1 us sooner or later (docs/levels.md,
-// "Streams"). It is in order, so what a case that failed left
-// there ends before the next one's work begins.
+// "Streams"). It is in order: what a case that failed left there ends before the next one's work begins.
 Stream& timing_stream(Place place);
 
 // Takes samples of `work`, which enqueues on the stream (GPU) or does (CPU) what is to be timed; `before`, if given, is done

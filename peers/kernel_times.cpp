@@ -61,16 +61,12 @@ class Watching {
     const int others = other_compute_processes();  // before our own context
     const Json build = build_json(), device = device_json();
     file_ = head(options, build, device, added);
-    for (const std::string& reason : refusals(build, device, others)) {
-      if (!options.force) throw InputError(reason + "; --force measures all the same, and the record says so");
-      file_["run"]["why_not"].push_back("forced: " + reason);
-    }
+    std::vector<std::string> why_not = forced_refusals(build, device, others, options.force);
     const std::filesystem::path folder = options.out.has_parent_path() ? options.out.parent_path() : ".";
     require_writable_folder(folder);
     lock_ = std::make_unique<FolderLock>(folder);
-    const Json& source = file_["source"];
-    if (source["commit"] == "unknown") file_["run"]["why_not"].push_back("source commit unknown");
-    if (source["dirty"] == true) file_["run"]["why_not"].push_back("uncommitted changes in the measured source");
+    for (const std::string& objection : source_objections(file_["source"])) why_not.push_back(objection);
+    file_["run"]["why_not"] = why_not;
   }
 
   void watch(const Case& c) {

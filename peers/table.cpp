@@ -28,13 +28,22 @@ std::string label_of(const Json& c) {
 
 std::string block_name(const Json& c) { return c.at("packing").get<std::string>() + ", " + c.at("order").get<std::string>(); }
 
-// Blocks in the order in which they first come.
-std::vector<std::pair<std::string, Block>> blocks_of(const Json& results) {
-  std::vector<std::pair<std::string, Block>> blocks;
-  const auto block = [&](const Json& c) -> Block& {
-    const auto at = std::ranges::find(blocks, block_name(c), &std::pair<std::string, Block>::first);
-    return at != blocks.end() ? at->second : blocks.emplace_back(block_name(c), Block{}).second;
-  };
+// In the order in which they first come.
+template <class T>
+using Named = std::vector<std::pair<std::string, T>>;
+template <class T>
+T& of_name(Named<T>& all, const std::string& name) {
+  const auto at = std::ranges::find(all, name, &std::pair<std::string, T>::first);
+  return at != all.end() ? at->second : all.emplace_back(name, T{}).second;
+}
+
+bool is_one_of(const std::vector<std::string>& ours, const std::string& label) {
+  return std::ranges::find(ours, label) != ours.end();
+}
+
+Named<Block> blocks_of(const Json& results) {
+  Named<Block> blocks;
+  const auto block = [&](const Json& c) -> Block& { return of_name(blocks, block_name(c)); };
   for (const Json& entry : results.at("benchmarks")) {
     if (entry.at("repetition_index") != 0) continue;  // `case` is the same on all nine
     const Json& c = entry.at("case");
@@ -50,7 +59,7 @@ std::vector<std::pair<std::string, Block>> blocks_of(const Json& results) {
 
 std::string text_of(const std::string& name, Block block, const std::vector<std::string>& ours) {
   std::ranges::stable_sort(block.lines, {}, &Line::median_us);
-  const auto is_ours = [&](const Line& line) { return std::ranges::find(ours, line.label) != ours.end(); };
+  const auto is_ours = [&](const Line& line) { return is_one_of(ours, line.label); };
   const auto base = std::ranges::find_if(block.lines, is_ours);
   const auto peer = std::ranges::find_if_not(block.lines, is_ours);
   std::string text = fmt::format("{}: {} balls, {} contacts\n", name, block.n, block.contacts);
@@ -77,8 +86,7 @@ struct BusyLine {
 
 std::string busy_text(std::vector<BusyLine> lines, const std::vector<std::string>& ours) {
   std::ranges::stable_sort(lines, {}, &BusyLine::busy_us);
-  const auto base =
-      std::ranges::find_if(lines, [&](const BusyLine& line) { return std::ranges::find(ours, line.label) != ours.end(); });
+  const auto base = std::ranges::find_if(lines, [&](const BusyLine& line) { return is_one_of(ours, line.label); });
   std::string text = fmt::format("  {:<24} {:>9} {:>9} {:>11} {:>11} {:>11} {:>8}\n", "", "kernels", "copies", "kernels ms",
                                  "copies ms", "busy ms", "ratio");
   for (const BusyLine& line : lines)
@@ -92,13 +100,13 @@ std::string busy_text(std::vector<BusyLine> lines, const std::vector<std::string
 
 std::string kernel_table(const Json& results, const std::vector<std::string>& ours) {
   try {
-    std::vector<std::pair<std::string, std::vector<BusyLine>>> blocks;
+    Named<std::vector<BusyLine>> blocks;
     for (const Json& c : results.at("cases")) {
       const std::string name = fmt::format("{}: {} balls, {} contacts", block_name(c), c.at("n").get<std::int64_t>(),
                                            c.at("contacts").get<std::int64_t>());
-      if (blocks.empty() || blocks.back().first != name) blocks.emplace_back(name, std::vector<BusyLine>{});
-      blocks.back().second.push_back(
-          {label_of(c), c.at("kernels"), c.at("transfers"), c.at("kernels_us"), c.at("transfers_us"), c.at("busy_us")});
+      of_name(blocks, name)
+          .push_back(
+              {label_of(c), c.at("kernels"), c.at("transfers"), c.at("kernels_us"), c.at("transfers_us"), c.at("busy_us")});
     }
     std::string text;
     for (const auto& [name, lines] : blocks) text += name + "\n" + busy_text(lines, ours);

@@ -24,8 +24,28 @@ class Losing final : public Detector {
   std::unique_ptr<Detector> whole_;
 };
 
+// Right the first time alone, which is what is verified.
+class Tiring final : public Detector {
+ public:
+  explicit Tiring(std::unique_ptr<Detector> whole) : whole_(std::move(whole)) {}
+  void detect(BallsView in, ContactsView out, Stream& stream) override {
+    whole_->detect(in, out, stream);
+    *out.count -= tired_;
+    tired_ = 1;
+  }
+  DetectorReport report(ContactsView out, Stream& stream) override { return whole_->report(out, stream); }
+  std::int64_t workspace_bytes() const override { return 0; }
+  DetectorParams params() const override { return {}; }
+
+ private:
+  std::unique_ptr<Detector> whole_;
+  std::int64_t tired_ = 0;
+};
+
 std::unique_ptr<Detector> make_right(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
-  return find_detector("serial_multi_cell").make(facts, params, stream);
+  auto right = find_detector("serial_multi_cell").make(facts, params, stream);
+  if (std::getenv("MADEUP_TIRES")) return std::make_unique<Tiring>(std::move(right));
+  return right;
 }
 std::unique_ptr<Detector> make_losing(const PackingFacts& facts, const DetectorParams& params, Stream& stream) {
   return std::make_unique<Losing>(make_right(facts, params, stream));

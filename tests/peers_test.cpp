@@ -205,6 +205,15 @@ TEST_F(Program, SaysHowLongTheDeviceWorksForWhatIsRight) {
   EXPECT_THAT(o.out, HasSubstr("  no time: madeup/losing on c3_n300_cube_loose50, shuffled: mismatch: "));
 }
 
+TEST_F(Program, ComparesAgainWhatWasTimedOrWatched) {
+  const std::string small = " --packing n=300,c=3,kind=loose,phi=0.5,base=cube --detectors 'serial|right'";
+  for (const auto& [more, when] : {std::pair{"", "after timing: "}, {" --kernels", "after watching: "}}) {
+    const Outcome o = run(small + more, "1 MADEUP_TIRES=1");
+    EXPECT_EQ(o.code, kExitMismatch) << o.err;
+    EXPECT_THAT(o.out, HasSubstr(when));
+  }
+}
+
 TEST_F(Program, MeasuresAgainWhatAnotherVersionOfALibraryWasMeasuredWith) {
   const std::string small = " --packing n=300,c=3,kind=loose,phi=0.5,base=cube --detectors 'serial|right'";
   EXPECT_EQ(run(small).code, kExitOk);
